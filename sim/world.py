@@ -1,0 +1,199 @@
+"""The world: many lanes of one task stepped together, one decision step a call, without automatic resets."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+import warp as wp
+from numpy.typing import ArrayLike, NDArray
+
+from sim.kernel import Model, State, reset_lanes, step_lanes
+from sim.physics import Aircraft, AircraftModel, Missile, MissileModel
+from sim.scenario import Scenario
+from sim.start import initial_states
+from sim.task import Task
+
+TRACE_AIRCRAFT = 7
+TRACE_MISSILE = 8
+
+
+class Outcome(IntEnum):
+    """How an episode stands or ended."""
+
+    FLYING = 0
+    EXIT = 1
+    SHOT_DOWN = 2
+    LEFT_FIELD = 3
+    TIMEOUT = 4
+
+
+class Fate(IntEnum):
+    """What has become of a missile."""
+
+    UNLAUNCHED = 0
+    FLYING = 1
+    EVADED = 2
+    HIT = 3
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one decision step gave, for L lanes; lanes that had ended before hold zeros and their last observation."""
+
+    observation: NDArray[np.float32]
+    """True next observation `[L, d]` in the task's layout, metres and radians."""
+    reward_terms: NDArray[np.float32]
+    """Reward `[L, M + 2]` by term: goal, missile 1..M, time; masked missiles are 0 (Eq. 9-11)."""
+    terminated: NDArray[np.bool_]
+    """`[L]` exit, shot down, or left the battlefield."""
+    truncated: NDArray[np.bool_]
+    """`[L]` the step limit was reached: no terminal state, so learners bootstrap through it."""
+
+    @property
+    def reward(self) -> NDArray[np.float32]:
+        """Sum of the terms `[L]` (Eq. 9)."""
+        return self.reward_terms.sum(axis=1)
+
+
+class World:
+    """L lanes of a task. `reset` starts lanes, `step` moves all that still fly; ended lanes stay as they are.
+
+    Args:
+        task: what flies, and which missiles are masked.
+        lanes: number of engagements L stepped together.
+        seed: with an episode number it fixes the initial state, whatever the mask and whatever the lane.
+        device: Warp device, `"cpu"` or for example `"cuda:0"`.
+    """
+
+    def __init__(self, task: Task, lanes: int, seed: int = 0, device: str = "cpu") -> None:
+        self.task, self.lanes, self.seed, self.device = task, lanes, seed, device
+        self._next_episode = 0
+        self._model = _model(task.scenario)
+        self._state = _state(task, lanes, device)
+        missiles = task.scenario.launch.missiles
+        kept = [7 + 2 * (m - 1) + c for m in task.missiles for c in (0, 1)]
+        self._columns = np.array([*range(7), *kept], dtype=np.intp)
+        self._action = wp.zeros(lanes, dtype=float, device=device)
+        self._terms = wp.zeros((lanes, missiles + 2), dtype=float, device=device)
+        self._observation = wp.zeros((lanes, 7 + 2 * missiles), dtype=float, device=device)
+        self._flown = wp.zeros(lanes, dtype=int, device=device)
+        self._trace = wp.zeros((1, 1, 1), dtype=float, device=device)
+        self._tracing = 0
+        self.reset()
+
+    def trace(self) -> None:
+        """Record every substep from now on; `traced` then returns the rows of the last step."""
+        width = 2 * TRACE_AIRCRAFT + TRACE_MISSILE * self.task.scenario.launch.missiles
+        shape = (self.lanes, self.task.scenario.rules.substeps, width)
+        self._trace, self._tracing = wp.zeros(shape, dtype=float, device=self.device), 1
+
+    def traced(self, lane: int) -> NDArray[np.float32]:
+        """Substeps of the last decision step `[n, 14 + 8 M]`; see `kernel.write_trace` for the columns."""
+        return self._trace.numpy()[lane, : self._flown.numpy()[lane]].copy()
+
+    def reset(self, lanes: ArrayLike | None = None, episodes: ArrayLike | None = None) -> NDArray[np.float32]:
+        """Start lanes (all by default) anew and return the observation of every lane `[L, d]`.
+
+        Args:
+            lanes: lane numbers, or a boolean mask `[L]`.
+            episodes: episode number of each such lane; the next unused numbers by default.
+        """
+        chosen = np.arange(self.lanes) if lanes is None else np.asarray(lanes)
+        if chosen.dtype == bool:
+            chosen = np.flatnonzero(chosen)
+        if len(chosen):
+            numbers = self._number(len(chosen)) if episodes is None else np.asarray(episodes)
+            start = wp.array(initial_states(self.task.scenario, self.seed, numbers), dtype=float, device=self.device)
+            ids = wp.array(chosen.astype(np.int32), dtype=int, device=self.device)
+            arguments = [self._model, self._state, ids, start, self._observation]
+            wp.launch(reset_lanes, dim=len(chosen), inputs=arguments, device=self.device)
+        return self.observation
+
+    def step(self, actions: ArrayLike) -> Step:
+        """Fly one decision step with turning angles `[L]` or `[L, 1]` [rad], clipped to [-pi/2, pi/2]."""
+        self._action.assign(np.asarray(actions, dtype=np.float32).reshape(self.lanes))
+        arguments = [self._model, self._state, self._action, self._terms, self._observation, self._flown]
+        wp.launch(step_lanes, dim=self.lanes, inputs=[*arguments, self._trace, self._tracing], device=self.device)
+        outcome, flew = self.outcome, self._flown.numpy() > 0
+        ended = flew & (outcome != Outcome.FLYING)
+        truncated = ended & (outcome == Outcome.TIMEOUT)
+        return Step(self.observation, self._terms.numpy().copy(), ended & ~truncated, truncated)
+
+    @property
+    def observation(self) -> NDArray[np.float32]:
+        """Current observation `[L, d]` in the task's layout (a copy)."""
+        return self._observation.numpy()[:, self._columns]
+
+    @property
+    def outcome(self) -> NDArray[np.int32]:
+        """`Outcome` of every lane `[L]`."""
+        return self._state.outcome.numpy().copy()
+
+    @property
+    def killer(self) -> NDArray[np.int32]:
+        """Number of the missile that shot the evader down, else 0, `[L]`."""
+        return self._state.killer.numpy().copy()
+
+    @property
+    def fate(self) -> NDArray[np.int32]:
+        """`Fate` of missiles 1..M of every lane `[L, M]`."""
+        return self._state.fate.numpy().copy()
+
+    @property
+    def steps(self) -> NDArray[np.int32]:
+        """Decision steps flown in the current episode `[L]`."""
+        return self._state.steps.numpy().copy()
+
+    def _number(self, count: int) -> NDArray[np.int64]:
+        first, self._next_episode = self._next_episode, self._next_episode + count
+        return np.arange(first, first + count)
+
+
+def _model(scenario: Scenario) -> Model:
+    model = Model()
+    for side in ("evader", "interceptor"):
+        setattr(model, side, _parameters(AircraftModel(), getattr(scenario, side)))
+    model.missile = _parameters(MissileModel(), scenario.missile)
+    field, launch, rules, reward = scenario.battlefield, scenario.launch, scenario.rules, scenario.reward
+    model.half_length, model.half_width = field.length_m / 2, field.width_m / 2
+    model.exit_y, model.exit_half_width = field.exit_y_m, field.exit_half_width_m
+    model.radar_range, model.radar_half_angle = launch.radar_range_m, launch.radar_half_angle_rad
+    model.launch_range, model.tail_fraction = launch.range_m, launch.tail_fraction
+    model.range_min, model.interval = launch.range_min_m, launch.interval_s
+    model.dt, model.substeps = rules.step_s / rules.substeps, rules.substeps
+    model.max_steps, model.outside_steps = rules.max_steps, rules.outside_steps
+    model.reward_exit, model.reward_evaded = reward.exit, reward.evaded
+    model.reward_shot_down, model.reward_step = reward.shot_down, reward.step
+    return model
+
+
+_UNITS = ("_rad_s", "_1_s", "_m_s", "_kg", "_m2", "_pa", "_n", "_m", "_s")
+
+
+def _parameters(model: AircraftModel | MissileModel, section: object) -> AircraftModel | MissileModel:
+    # Warp structs carry the scenario's names without their units: `mass_kg` becomes `mass`.
+    for field in dataclasses.fields(section):  # type: ignore[arg-type]
+        name = next((field.name.removesuffix(unit) for unit in _UNITS if field.name.endswith(unit)), field.name)
+        setattr(model, name, getattr(section, field.name))
+    return model
+
+
+def _state(task: Task, lanes: int, device: str) -> State:
+    missiles = task.scenario.launch.missiles
+    state = State()
+    state.aircraft = wp.zeros((lanes, 2), dtype=Aircraft, device=device)
+    state.altitude = wp.zeros((lanes, 2), dtype=float, device=device)
+    state.speed = wp.zeros((lanes, 2), dtype=float, device=device)
+    state.missile = wp.zeros((lanes, missiles), dtype=Missile, device=device)
+    state.fate = wp.zeros((lanes, missiles), dtype=int, device=device)
+    state.closest = wp.zeros((lanes, missiles), dtype=float, device=device)
+    state.range_factor = wp.zeros((lanes, missiles), dtype=float, device=device)
+    available = [int(m in task.missiles) for m in range(1, missiles + 1)]
+    state.available = wp.array(available, dtype=int, device=device)
+    state.since_launch = wp.zeros(lanes, dtype=float, device=device)
+    for name in ("steps", "outside", "outcome", "killer"):
+        setattr(state, name, wp.zeros(lanes, dtype=int, device=device))
+    return state
