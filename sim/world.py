@@ -90,6 +90,13 @@ class World:
         shape = (self.lanes, self.task.scenario.rules.substeps, width)
         self._trace, self._tracing = wp.zeros(shape, dtype=float, device=self.device), 1
 
+    def snapshot(self, lane: int) -> NDArray[np.float32]:
+        """The present state as one row `[1, 14 + 8 M]` of a trace; before the first launch only aircraft matter."""
+        aircraft = self._state.aircraft.numpy()[lane]
+        rows = [np.concatenate([a["position"], [a["speed"], a["climb"], a["heading"], a["bank"]]]) for a in aircraft]
+        idle = np.zeros(TRACE_MISSILE * self.task.scenario.launch.missiles)
+        return np.concatenate([*rows, idle]).astype(np.float32)[None]
+
     def traced(self, lane: int) -> NDArray[np.float32]:
         """Substeps of the last decision step `[n, 14 + 8 M]`; see `kernel.write_trace` for the columns."""
         return self._trace.numpy()[lane, : self._flown.numpy()[lane]].copy()
