@@ -14,6 +14,8 @@ from sim.physics import (
     wrap_to_pi,
 )
 
+# Warp greets and reports compilations on standard output, where commands print one JSON object and nothing else.
+wp.config.log_level = wp.LOG_ERROR
 wp.set_module_options({"enable_backward": False, "fast_math": False})
 
 HALF_TURN = wp.constant(1.57079632679)
