@@ -1,0 +1,1 @@
+"""Learning: policies, TD3, knowledge transfer, curriculum, evaluation and policy files."""

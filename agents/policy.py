@@ -1,0 +1,114 @@
+"""Policies: anything that turns observations into actions, and the network policy that training makes.
+
+Nothing here needs torch: a trained policy is three matrix products, and pages and commands start faster so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from agents.features import ObservationFeatures, adapt, subtask_number, unseen_subtasks
+from agents.task import FloatArray, Layout, SubtaskTask
+from sim.errors import UsageError
+
+if TYPE_CHECKING:
+    from agents.checkpoint import PolicyCard
+
+Act = Callable[[FloatArray], FloatArray]
+"""Observations `[B, d]` of one known task -> actions `[B, 1]` [rad]."""
+
+
+class PolicyError(UsageError):
+    """A policy cannot be used the way it was asked to be."""
+
+
+class Policy(Protocol):
+    """A deterministic or random rule that flies."""
+
+    @property
+    def name(self) -> str:
+        """Name in commands, tables and figures."""
+        ...
+
+    @property
+    def layout(self) -> Any:
+        """Layout it was trained with, None if it reads any; `act` takes every layout within it."""
+        ...
+
+    def act(self, observation: FloatArray, layout: Any) -> FloatArray:
+        """Actions `[B, 1]` [rad] for observations `[B, d]` of this layout."""
+        ...
+
+
+def bind(policy: Policy, task: SubtaskTask) -> Act:
+    """The policy as a function of the task's own observations `[B, d]` -> `[B, 1]`.
+
+    A policy that knows more subtasks than the task has sees the missing ones as never detected.
+
+    Raises:
+        PolicyError: the task has subtasks that the policy was never trained with.
+    """
+    layout = task.layout
+    if policy.layout is not None:
+        check_sees(policy.name, policy.layout, layout)
+    return lambda observation: policy.act(observation, layout)
+
+
+def check_sees(name: str, known: Layout, present: Layout) -> None:
+    """Raise `PolicyError` if a policy with layout `known` is blind to a subtask of layout `present`."""
+    blind = unseen_subtasks(known, present)
+    if not blind:
+        return
+    trained = sorted({subtask_number(column) for column in known.names} - {0})
+    raise PolicyError(
+        f"policy '{name}' was trained with {_missiles(trained)} and cannot see {_missiles(blind)} of this "
+        f"task; mask {'it' if len(blind) == 1 else 'them'} (--mask {','.join(map(str, blind))})"
+    )
+
+
+def _missiles(numbers: Sequence[int]) -> str:
+    if not numbers:
+        return "no missile"
+    return f"missile{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
+
+
+class NetworkPolicy:
+    """A ReLU network with a tanh output, the deterministic policy μ_θ of Eq. 3."""
+
+    def __init__(
+        self,
+        name: str,
+        features: ObservationFeatures,
+        layers: Sequence[tuple[FloatArray, FloatArray]],
+        action_limit: float,
+        card: PolicyCard | None = None,
+    ) -> None:
+        """Layers are (weight `[out, in]`, bias `[out]`) pairs, first to last."""
+        self.name = name
+        self.features = features
+        self.layers = tuple(layers)
+        self.action_limit = action_limit
+        self.card = card
+        self._weights = [(np.ascontiguousarray(weight.T), bias) for weight, bias in self.layers]
+
+    @property
+    def layout(self) -> Layout:
+        """Layout the policy was trained with."""
+        return self.features.layout
+
+    def act(self, observation: FloatArray, layout: Layout) -> FloatArray:
+        """Actions `[B, 1]` [rad] for observations `[B, d]` of any layout within the policy's own."""
+        if layout is not self.layout and layout.names != self.layout.names:
+            check_sees(self.name, self.layout, layout)
+            observation = adapt(observation, layout, self.layout, self.features.default_block)
+        return self.act_on_features(self.features.encode(observation))
+
+    def act_on_features(self, hidden: FloatArray) -> FloatArray:
+        """Actions `[B, 1]` [rad] for encoded observations `[B, f]`."""
+        for weight, bias in self._weights[:-1]:
+            hidden = np.maximum(hidden @ weight + bias, 0.0)
+        weight, bias = self._weights[-1]
+        return np.tanh(hidden @ weight + bias) * np.float32(self.action_limit)
