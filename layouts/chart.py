@@ -1,0 +1,136 @@
+"""The sheet every time curve is drawn on: clock cursor, click to set the clock, downloads as PNG and CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, CustomAction, CustomJS, HoverTool, Legend, Range1d, Span
+from bokeh.plotting import figure
+from numpy.typing import NDArray
+
+from layouts.theme import NEUTRAL
+
+Columns = dict[str, NDArray[Any]]
+"""Equally long arrays by name, in plotting units; the first is the horizontal axis. Also what a CSV holds."""
+
+MAX_POINTS = 2500
+CURSOR_TAG = "clock-cursor"
+"""Tag of every cursor; the page's clock finds and moves them in the browser."""
+
+CLOCK_EVENT = "flight-clock"
+"""Browser event a click on a curve sends; its detail is the time [s]."""
+
+_CSV_ICON = (
+    "data:image/svg+xml;utf8,<svg xmlns='http://www.w3.org/2000/svg' width='24' height='24' "
+    "viewBox='0 0 24 24'>"
+    "<path fill='none' stroke='%237d8794' stroke-width='1.7' "
+    "d='M6 3h8l4 4v14H6z M14 3v5h4 M9 12h6 M9 15h6 M9 18h6'/></svg>"
+)
+
+_CSV_CODE = """
+const names = sources.flatMap((s) => Object.keys(s.data));
+const rows = Math.max(...sources.map((s) => s.get_length() ?? 0));
+const quoted = (v) => /[",\\n]/.test(v) ? `"${v.replaceAll('"', '""')}"` : v;
+const cell = (v) => v === undefined || v === null || Number.isNaN(v) ? "" : quoted(String(v));
+const lines = [names.map(cell).join(",")];
+for (let i = 0; i < rows; i++)
+  lines.push(sources.flatMap((s) => Object.values(s.data).map((c) => cell(c[i]))).join(","));
+const link = document.createElement("a");
+link.href = URL.createObjectURL(new Blob([lines.join("\\n") + "\\n"], {type: "text/csv"}));
+link.download = name + ".csv"; link.click(); setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+"""
+
+_CLOCK_CODE = "window.dispatchEvent(new CustomEvent(event, {detail: cb_obj.x}))"
+
+
+def thin_index(length: int, keep: Sequence[int] = (), limit: int = MAX_POINTS) -> NDArray[np.intp]:
+    """Ascending indices of about `limit` evenly spread samples of `length`, ends and `keep` included."""
+    if length <= limit:
+        return np.arange(length)
+    spread = np.linspace(0, length - 1, limit - len(keep)).round().astype(np.intp)
+    return np.unique(np.concatenate([spread, np.asarray(keep, dtype=np.intp)]))
+
+
+def largest(*tables: Columns) -> float:
+    """Largest finite value in any column but the first of each table; 1 when there is none."""
+    columns = (values[np.isfinite(values)] for table in tables for values in list(table.values())[1:])
+    return max((float(values.max()) for values in columns if values.size), default=1.0)
+
+
+def chart(
+    title: str,
+    y_label: str,
+    height: int = 240,
+    x_range: Range1d | None = None,
+    y_range: Range1d | None = None,
+) -> figure:
+    """An empty figure over time [s] with cursor, tap and save; ranges may be shared to link figures."""
+    ranges: dict[str, Any] = {"x_range": x_range} if x_range else {}
+    if y_range:
+        ranges["y_range"] = y_range
+    fig = figure(
+        title=title,
+        height=height,
+        sizing_mode="stretch_width",
+        tools="xpan,xwheel_zoom,box_zoom,reset,save,tap",
+        x_axis_label="time [s]",
+        y_axis_label=y_label,
+        min_border_right=12,
+        active_drag=None,
+        **ranges,
+    )
+    fig.toolbar.logo = None
+    fig.toolbar.autohide = True
+    fig.outline_line_color = None
+    fig.add_layout(
+        Span(
+            location=0.0,
+            dimension="height",
+            line_color=NEUTRAL,
+            line_width=1.5,
+            level="overlay",
+            tags=[CURSOR_TAG],
+        )
+    )
+    fig.js_on_event("tap", CustomJS(args={"event": CLOCK_EVENT}, code=_CLOCK_CODE))
+    return fig
+
+
+def add_csv(fig: figure, name: str, *sources: ColumnDataSource) -> None:
+    """Add a toolbar button that saves the sources, side by side, as `name`.csv; made in the browser."""
+    code = CustomJS(args={"sources": list(sources), "name": name}, code=_CSV_CODE)
+    fig.add_tools(CustomAction(icon=_CSV_ICON, description="Download CSV", callback=code))
+
+
+def add_lines(fig: figure, source: ColumnDataSource, x: str, lines: Sequence[tuple[str, str, str]]) -> None:
+    """Draw (column, label, colour) as lines with a hover and a legend above whose entries hide their line."""
+    entries = []
+    for column, label, colour in lines:
+        glyph = fig.line(
+            x, column, source=source, color=colour, line_width=2.2, line_join="round", name=label
+        )
+        glyph.nonselection_glyph = None
+        entries.append((label, [glyph]))
+        tips = [("", label), (x.replace("_s", " [s]"), f"@{x}{{0.0}}"), (column, f"@{column}{{0.0}}")]
+        fig.add_tools(HoverTool(renderers=[glyph], tooltips=tips, mode="mouse", visible=False))
+    add_legend(fig, entries)
+
+
+def add_legend(fig: figure, entries: Sequence[tuple[str, list[Any]]]) -> None:
+    """One row of legend entries above the plot; a click hides what an entry names."""
+    if entries:
+        legend = Legend(
+            items=list(entries), orientation="horizontal", click_policy="hide", padding=0, margin=2
+        )
+        fig.add_layout(legend, "above")
+
+
+def dotted(fig: figure, *heights: float) -> None:
+    """Horizontal dotted reference lines."""
+    for height in heights:
+        line = Span(
+            location=height, dimension="width", line_dash="dotted", line_color=NEUTRAL, line_width=1.5
+        )
+        fig.add_layout(line)

@@ -1,0 +1,51 @@
+"""Speeds over time: evader, interceptor and every missile."""
+
+from __future__ import annotations
+
+import numpy as np
+from bokeh.models import ColumnDataSource, Range1d
+from bokeh.plotting import figure
+
+from layouts.chart import Columns, add_csv, add_lines, chart, largest, thin_index
+from layouts.theme import INTERCEPTOR, POLICY_A, missile_colour
+from sim.trajectory import Trajectory
+
+
+def speed_columns(trajectory: Trajectory) -> Columns:
+    """`time_s`, `evader_m_s`, `interceptor_m_s`, `missile_k_m_s`; NaN when missile k is not in flight."""
+    index = thin_index(len(trajectory.time_s))
+    columns: Columns = {
+        "time_s": trajectory.time_s[index],
+        "evader_m_s": trajectory.evader.speed_m_s[index],
+        "interceptor_m_s": trajectory.interceptor.speed_m_s[index],
+    }
+    for track in trajectory.missiles:
+        speed = np.where(np.isfinite(track.position_m[:, 0]), track.speed_m_s, np.nan)
+        columns[f"missile_{track.number}_m_s"] = speed[index]
+    return columns
+
+
+def speed_figure(
+    trajectory: Trajectory,
+    title: str,
+    height: int = 240,
+    x_range: Range1d | None = None,
+    y_range: Range1d | None = None,
+    evader_colour: str = POLICY_A,
+) -> figure:
+    """Speeds [m/s] over time [s]."""
+    source = ColumnDataSource(speed_columns(trajectory))
+    fig = chart(title, "speed [m/s]", height, x_range, y_range)
+    lines = [("evader_m_s", "evader", evader_colour), ("interceptor_m_s", "interceptor", INTERCEPTOR)]
+    lines += [
+        (f"missile_{m.number}_m_s", f"missile {m.number}", missile_colour(m.number))
+        for m in trajectory.missiles
+    ]
+    add_lines(fig, source, "time_s", lines)
+    add_csv(fig, "speeds", source)
+    return fig
+
+
+def highest_speed_m_s(*trajectories: Trajectory) -> float:
+    """Largest speed in any of the flights [m/s], to give their figures one scale."""
+    return largest(*(speed_columns(t) for t in trajectories))

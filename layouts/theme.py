@@ -1,0 +1,71 @@
+"""Colours of everything drawn: inks that read on dark and on light, and two grounds for 3-D scenes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rgb = tuple[int, int, int]
+Mode = Literal["dark", "light"]
+
+# Mid-tone inks: each has a contrast of about 3:1 on white and on #121212, so a figure needs no redraw when
+# the page changes between dark and light.
+POLICY_A = "#2f86ff"
+POLICY_B = "#e08a00"
+INTERCEPTOR = "#e5414d"
+MISSILES = ("#9a63f5", "#1fa05f", "#e0489c", "#0f9fb5", "#8c8f1f", "#b5623c", "#5f7fd0", "#7d8794")
+SUCCESS = "#1fa05f"
+FAILURE = "#e5414d"
+NEUTRAL = "#7d8794"
+GATE = "#1fa05f"
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Colours of a 3-D scene that depend on dark or light."""
+
+    background: Rgb
+    field: Rgb
+    grid: Rgb
+    border: Rgb
+    lift: float
+    """How far inks are moved towards the far end (white on dark, black on light) in 3-D, 0 to 1."""
+
+
+DARK = Ground(
+    background=(13, 17, 23), field=(22, 29, 41), grid=(41, 52, 70), border=(104, 122, 150), lift=0.25
+)
+LIGHT = Ground(
+    background=(246, 248, 251), field=(228, 234, 243), grid=(205, 214, 227), border=(122, 136, 158), lift=0.1
+)
+
+
+def ground(mode: Mode) -> Ground:
+    """The colours of a scene on a dark or a light page."""
+    return DARK if mode == "dark" else LIGHT
+
+
+def missile_colour(number: int) -> str:
+    """Ink of a missile (1-based), the same in every figure, scene and recording."""
+    return MISSILES[(number - 1) % len(MISSILES)]
+
+
+def rgb(colour: str) -> Rgb:
+    """`#rrggbb` as three integers 0 to 255."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def blend(colour: Rgb, other: Rgb, share: float) -> Rgb:
+    """`colour` with `share` (0 to 1) of `other` mixed in: how opaque lines are made to look faint."""
+    mixed: NDArray[np.float64] = np.asarray(colour) * (1.0 - share) + np.asarray(other) * share
+    red, green, blue = (round(float(value)) for value in mixed)
+    return red, green, blue
+
+
+def scene_ink(colour: str, scene: Ground) -> Rgb:
+    """An ink lifted away from the ground so that small bodies stay visible in 3-D."""
+    far = (255, 255, 255) if sum(scene.background) < 384 else (0, 0, 0)
+    return blend(rgb(colour), far, scene.lift)
