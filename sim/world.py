@@ -10,6 +10,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
+from sim.device import start_warp
 from sim.kernel import Model, State, reset_lanes, step_lanes
 from sim.physics import Aircraft, AircraftModel, Missile, MissileModel
 from sim.scenario import Scenario
@@ -69,6 +70,7 @@ class World:
     """
 
     def __init__(self, task: Task, lanes: int, seed: int = 0, device: str = "cpu") -> None:
+        start_warp()
         self.task, self.lanes, self.seed, self.device = task, lanes, seed, device
         self._next_episode = 0
         self._model = _model(task.scenario)
