@@ -1,0 +1,1 @@
+"""The application: command line, server, pages, runs, launcher, recordings."""

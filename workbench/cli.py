@@ -1,0 +1,60 @@
+"""The `workbench` command: finds the command's module, reads its arguments, turns errors into sentences."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+from types import ModuleType
+
+import tyro
+
+from sim.errors import SubMasError
+
+COMMANDS = ("serve", "fly", "evaluate", "train", "stop", "runs", "calibrate", "doctor")
+DESCRIPTION = """SubMas-RL workbench: curriculum reinforcement learning with missiles as maskable subtasks.
+
+Without a command it serves the pages and opens the browser. Each command has its own --help."""
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns its exit code: 0 done, 1 failed, 2 wrong usage, 130 interrupted."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _run(given)
+    except SubMasError as error:
+        print(f"workbench: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print("workbench: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read our output (head, a pager) has seen enough; nothing is left to say, also not at exit.
+        sys.stdout = None
+        return 0
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 1
+
+
+def _run(given: list[str]) -> int:
+    if not given or (given[0].startswith("-") and given[0] not in ("-h", "--help")):
+        given = ["serve", *given]
+    config = (tyro.conf.FlagCreatePairsOff,)
+    if given[0] in COMMANDS:
+        # Only the command that runs is imported: the others would make every start slower.
+        module = command(given[0])
+        return module.run(tyro.cli(module.Args, prog=f"workbench {given[0]}", args=given[1:], config=config))
+    # Help, or an unknown command: tyro prints it and exits.
+    every = {name: command(name).Args for name in COMMANDS}
+    tyro.extras.subcommand_cli_from_dict(every, prog="workbench", description=DESCRIPTION, args=given, config=config)
+    return 0
+
+
+def command(name: str) -> ModuleType:
+    """The module of one command: `Args`, its arguments, and `run(args)`, which returns the exit code."""
+    return importlib.import_module(f"workbench.commands.{name}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""The commands of `workbench`, one small module each: `Args` and `run(args)`."""

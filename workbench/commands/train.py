@@ -1,0 +1,153 @@
+"""`workbench train`: train one stage or the whole curriculum, one run per seed, and watch it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from agents.config import TrainingConfig
+    from workbench.runs import Run
+
+SEEDS_LIMIT = 100
+
+
+@dataclass(frozen=True)
+class Args:
+    """Train SubMas-RL. Runs outlive this command; Ctrl-C asks them to stop at the end of the epoch."""
+
+    curriculum: bool = False
+    """Learn the whole chain of Algorithm 3: one missile, then two, up to the target task."""
+    missiles: int | None = None
+    """Learn a single stage with missiles 1 to N unmasked (default: all of them)."""
+    guide: str = ""
+    """POLICY that guides the first stage (default: the one for the task with a missile less)."""
+    variant: str = "submas"
+    """Table 3: submas, wo-pd, wo-pr, dec-pd or dec-pr."""
+    profile: str = "fast"
+    """Settings: fast, paper (Table 2 exactly) or smoke (seconds, to try things out)."""
+    seeds: str = "0"
+    """One run per seed: 0 or 0,1,2 or 0-4."""
+    scenario: str = "default"
+    """Scenario: a shipped name or a path to a scenario file."""
+    name: str = ""
+    """A name to find the runs by."""
+    runs: Path = Path("runs")
+    """Folder of the runs."""
+    json: bool = False
+    """Print one JSON object."""
+
+
+def run(args: Args) -> int:
+    """Launch a run per seed and follow them to their ends."""
+    from workbench.follow import follow
+    from workbench.launcher import drain
+    from workbench.policies import guide_for
+    from workbench.runs import RunStore
+
+    store = RunStore(args.runs)
+    configs = [configuration(args, seed) for seed in parse_seeds(args.seeds)]
+    guide_for(configs[0], store)  # a guide that is missing is said now, not in a log
+    runs = [store.create(config) for config in configs]
+    drain(store)
+    interrupted = follow(store, runs)
+    _report(runs, args.json)
+    if interrupted:
+        return 130
+    return _failures(runs)
+
+
+def parse_seeds(text: str) -> list[int]:
+    """Seeds from `0`, `0,1,2` or `0-4`, each once, in order.
+
+    Raises:
+        UsageError: anything else, a negative seed, or more than SEEDS_LIMIT of them.
+    """
+    from sim.errors import UsageError
+
+    seeds: list[int] = []
+    try:
+        for part in text.split(","):
+            first, dash, last = part.strip().partition("-")
+            low, high = int(first), int(last) if dash else int(first)
+            if not 0 <= low <= high or high - low >= SEEDS_LIMIT:
+                raise ValueError(part)
+            seeds += range(low, high + 1)
+    except ValueError:
+        raise UsageError(f"--seeds '{text[:60]}' is not a list of seeds; write 0 or 0,1,2 or 0-4") from None
+    if len(set(seeds)) > SEEDS_LIMIT:
+        raise UsageError(f"--seeds names {len(set(seeds))} seeds; legal are at most {SEEDS_LIMIT}")
+    return list(dict.fromkeys(seeds))
+
+
+def configuration(args: Args, seed: int) -> TrainingConfig:
+    """What one run is asked to do.
+
+    Raises:
+        UsageError: a value that is not legal, or --curriculum together with --missiles.
+    """
+    from agents.config import TrainingConfig
+    from sim.errors import UsageError
+    from sim.scenario import load_scenario
+
+    if args.curriculum and args.missiles is not None:
+        raise UsageError("--curriculum learns every stage and --missiles a single one; give one of them")
+    most = load_scenario(args.scenario).launch.missiles
+    missiles = most if args.missiles is None else args.missiles
+    if not 1 <= missiles <= most:
+        raise UsageError(f"--missiles is {missiles}; legal are 1 to {most}")
+    values = {"scenario": args.scenario, "variant": args.variant, "profile": args.profile, "name": args.name}
+    guide = _absolute(args.guide)
+    return TrainingConfig.from_json(
+        {**values, "curriculum": args.curriculum, "missiles": missiles, "guide": guide, "seed": seed}
+    )
+
+
+def _absolute(guide: str) -> str:
+    # The training process may outlive this folder being the current one; a path must mean the same file
+    # there.
+    path = Path(guide)
+    return str(path.absolute()) if guide and path.is_file() else guide
+
+
+def _report(runs: Sequence[Run], as_json: bool) -> None:
+    from workbench.terminal import duration, percent, print_json, print_table
+
+    summaries = [summary(run) for run in runs]
+    if as_json:
+        print_json({"runs": summaries})
+        return
+    rows = []
+    for one in summaries:
+        for stage in one["stages"] or [{"task": "–", "success_rate": None, "epochs": 0, "wall_s": 0.0}]:
+            figures = (percent(stage["success_rate"]), str(stage["epochs"]), duration(stage["wall_s"]))
+            rows.append((str(one["seed"]), one["id"], one["state"], stage["task"], *figures))
+    print_table(("seed", "run", "state", "stage", "success", "epochs", "time"), rows)
+
+
+def summary(run: Run) -> dict[str, Any]:
+    """One run as JSON: how it ended, what each stage reached, where its policy is."""
+    from workbench.commands.runs import stage_summaries
+
+    policy = run.policy_path()
+    return {
+        "id": run.id,
+        "seed": run.config.seed,
+        "state": run.state.state,
+        "stages": stage_summaries(run),
+        "policy": str(policy) if policy else None,
+    }
+
+
+def _failures(runs: Sequence[Run]) -> int:
+    failed = [run for run in runs if run.state.state in ("failed", "interrupted")]
+    for run in failed:
+        reason = run.state.error or "its process ended without a word"
+        print(
+            f"workbench: run {run.id} {run.state.state}: {reason}; see {run.path / 'log.txt'}",
+            file=sys.stderr,
+        )
+    return 1 if failed else 0

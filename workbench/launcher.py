@@ -1,0 +1,146 @@
+"""Starts training processes: one per run, at most as many as there are cores, the rest wait in the queue.
+
+There is no daemon. Whoever calls `drain` (a launch, a training that ends, the server's tick) starts what may
+start; a file lock
+makes them take turns, so no run starts twice and the limit holds whatever happens at once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workbench.run_files import RunFileError, waiting_lock
+from workbench.runs import LAUNCHER_LOCK, Run, RunBusyError, RunsFolderError, RunStore, now
+
+if TYPE_CHECKING:
+    from agents.config import TrainingConfig
+
+INHERITED = (
+    "PATH",
+    "HOME",
+    "USER",
+    "LANG",
+    "LC_ALL",
+    "TMPDIR",
+    "PYTHONPATH",
+    "VIRTUAL_ENV",
+    "LD_LIBRARY_PATH",
+    "XDG_CACHE_HOME",
+    "CUDA_VISIBLE_DEVICES",
+    "WARP_CACHE_PATH",
+)
+"""Environment variables a training process gets from the one that launches it; no others."""
+
+_children: list[subprocess.Popen[bytes]] = []
+
+
+def cpu_count() -> int:
+    """Cores this process may use: the number of trainings that run at once."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def launch(store: RunStore, config: TrainingConfig) -> Run:
+    """A new run with this configuration, started now or when a core is free.
+
+    Raises:
+        RunsFolderError: the runs folder cannot be written.
+    """
+    run = store.create(config)
+    drain(store)
+    return run
+
+
+def drain(store: RunStore, limit: int | None = None) -> list[Run]:
+    """Start queued runs, oldest first, while fewer than `limit` (default: the number of cores) are alive.
+
+    Returns the runs that were started.
+    """
+    _children[:] = [child for child in _children if child.poll() is None]
+    if not any(run.state.state == "queued" for run in _good_runs(store)):
+        return []
+    limit = cpu_count() if limit is None else limit
+    started = []
+    try:
+        with waiting_lock(store.root / LAUNCHER_LOCK):
+            runs = _good_runs(store)
+            free = limit - sum(run.state.state == "running" for run in runs)
+            queue = sorted(
+                (run for run in runs if run.state.state == "queued"),
+                key=lambda run: (run.state.created, run.id),
+            )
+            for run in queue:
+                if len(started) < free and _start(run):
+                    started.append(run)
+    except OSError as error:
+        raise RunsFolderError(f"runs folder {store.root} cannot be written: {error.strerror}") from error
+    return started
+
+
+def _good_runs(store: RunStore) -> list[Run]:
+    return [run for run in store.list() if not run.problem]
+
+
+def _start(run: Run) -> bool:
+    """Claim a queued run and spawn its process, which inherits the claim: no moment is without a holder."""
+    lock = run.claim()
+    if lock is None:
+        return False
+    try:
+        if run.state.state != "queued":
+            return False
+        starting = dataclasses.replace(run.state, state="running", started=now(), updated=now())
+        run.write_state(starting)
+        try:
+            _children.append(_spawn(run, lock))
+        except OSError as error:
+            reason = f"cannot start a training process: {error.strerror}"
+            run.write_state(dataclasses.replace(starting, state="failed", error=reason))
+            return False
+        return True
+    except RunFileError:
+        return False
+    finally:
+        os.close(lock)
+
+
+def _spawn(run: Run, lock: int) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "workbench.training", str(run.path), "--lock", str(lock)]
+    with (run.path / "log.txt").open("ab") as log:
+        return subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            pass_fds=(lock,),
+            env=environment(),
+            start_new_session=True,
+        )
+
+
+def environment() -> dict[str, str]:
+    """The environment of a training process: a fixed list of variables, and one thread per process."""
+    kept = {name: os.environ[name] for name in INHERITED if name in os.environ}
+    # `python -m workbench.training` has to find the packages also where they are not installed.
+    source = str(Path(__file__).resolve().parents[1])
+    kept["PYTHONPATH"] = os.pathsep.join(filter(None, [source, kept.get("PYTHONPATH")]))
+    return kept | {"OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"}
+
+
+def stop_now(run: Run) -> None:
+    """End a run at once, in the middle of an epoch; its best policy so far stays.
+
+    A run that was asked to stop takes SIGTERM as the second ask (`workbench.training`).
+    """
+    with contextlib.suppress(RunBusyError):
+        run.request_stop()
+    state = run.state
+    if state.pid and run.is_alive():
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.kill(state.pid, signal.SIGTERM)

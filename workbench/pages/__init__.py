@@ -1,0 +1,1 @@
+"""The pages, one module each: `page(context)` returns what Panel shows."""

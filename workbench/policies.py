@@ -1,0 +1,134 @@
+"""Policies by name: what POLICY may be on the command line, in a page and in a training's `guide`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.assets import asset_path
+from sim.errors import UsageError
+from workbench.runs import RunStore, is_run_id, shorten
+
+if TYPE_CHECKING:
+    from agents.config import TrainingConfig
+    from agents.policy import Policy
+
+SUFFIX = ".safetensors"
+EXPERTS = {
+    "expert-dragging": "Defensive dragging (expert)",
+    "expert-navigation": "Navigation (expert)",
+    "random": "Random",
+}
+"""Policies that are rules, not networks, with the words a page shows for them."""
+
+SHIPPED_LABELS = {
+    "submas-target": "SubMas-RL, target task (shipped)",
+    "submas-source-1": "SubMas-RL, source task 1 (shipped)",
+    "submas-source-2": "SubMas-RL, source task 2 (shipped)",
+    "submas-source-3": "SubMas-RL, source task 3 (shipped)",
+}
+MISSILES = 4
+
+
+class UnknownPolicyError(UsageError):
+    """POLICY is none of the names, not a run with a policy and not a policy file."""
+
+
+def shipped_policies() -> list[str]:
+    """Names of the trained policies that come with the workbench, the target task's first."""
+    names = {path.stem for path in asset_path("policies").glob(f"*{SUFFIX}")}
+    known = [name for name in SHIPPED_LABELS if name in names]
+    return known + sorted(names - set(known))
+
+
+def resolve_policy(spec: str, store: RunStore | None = None) -> Policy:
+    """The policy that `spec` names: an expert, a shipped policy, a run (its best policy) or a policy file.
+
+    Raises:
+        UnknownPolicyError: nothing of that name.
+        PolicyFileError: the file is damaged or not a policy.
+    """
+    if spec in EXPERTS:
+        return _expert(spec)
+    from agents.checkpoint import load_policy
+
+    if spec in shipped_policies():
+        return load_policy(asset_path("policies", spec + SUFFIX))
+    if store is not None and is_run_id(spec):
+        return load_policy(_run_policy(spec, store))
+    path = Path(spec).expanduser()
+    if spec.endswith(SUFFIX) and path.is_file():
+        return load_policy(path)
+    raise UnknownPolicyError(_unknown(spec))
+
+
+def _expert(name: str) -> Policy:
+    from agents.expert import DraggingExpert, NavigationExpert, RandomPolicy
+
+    makers = {
+        "expert-dragging": DraggingExpert,
+        "expert-navigation": NavigationExpert,
+        "random": RandomPolicy,
+    }
+    return makers[name]()
+
+
+def _run_policy(run_id: str, store: RunStore) -> Path:
+    run = store.get(run_id)
+    path = run.policy_path()
+    if path is None:
+        raise UnknownPolicyError(f"run {run.id} has no policy yet; its first one is saved after the first evaluation")
+    return path
+
+
+def _unknown(spec: str) -> str:
+    names = ", ".join([*EXPERTS, *shipped_policies()])
+    if spec.endswith(SUFFIX):
+        return f"policy file {shorten(spec)!r} does not exist; give a path to a {SUFFIX} file or one of: {names}"
+    return f"policy {shorten(spec)!r} is unknown; use one of: {names}; or a run id; or a path to a {SUFFIX} file"
+
+
+def policy_choices(store: RunStore) -> dict[str, str]:
+    """Every policy that can be flown now, label -> POLICY: shipped ones, then experts, then runs."""
+    shipped = {SHIPPED_LABELS.get(name, f"{name} (shipped)"): name for name in shipped_policies()}
+    experts = {label: name for name, label in EXPERTS.items()}
+    runs = {
+        f"{title(run.config)} (run {run.id})": run.id for run in store.list() if not run.problem and run.policy_path()
+    }
+    return shipped | experts | runs
+
+
+def title(config: TrainingConfig) -> str:
+    """A training in a few words: its name if the user gave one, else what it learns."""
+    what = "Whole curriculum" if config.curriculum else f"{config.missiles} missile{'s' * (config.missiles != 1)}"
+    return f"{shorten(config.name, 40) or what} · {config.variant} · {config.profile} · seed {config.seed}"
+
+
+def natural_guide(config: TrainingConfig) -> str:
+    """POLICY that guides the first stage when none is chosen: the policy of the task with one missile less.
+
+    The easiest task (one missile) is guided by the navigation expert (section 4.1), and so is a whole
+    curriculum.
+    """
+    if config.curriculum or config.missiles == 1:
+        return "expert-navigation"
+    return f"submas-source-{MISSILES - config.missiles + 1}"
+
+
+def guide_for(config: TrainingConfig, store: RunStore | None = None) -> Policy:
+    """The policy that guides a training's first stage.
+
+    Raises:
+        UnknownPolicyError: the chosen guide does not exist, or the natural one is not shipped.
+    """
+    spec = config.guide or natural_guide(config)
+    try:
+        return resolve_policy(spec, store)
+    except UnknownPolicyError as error:
+        if config.guide:
+            raise
+        task = f"{config.missiles - 1} missile{'s' * (config.missiles != 2)}"
+        raise UnknownPolicyError(
+            f"no policy for {task} is shipped to guide a training with {config.missiles}; "
+            "choose one with --guide, or train the whole chain with --curriculum"
+        ) from error

@@ -1,0 +1,87 @@
+"""How a run stands: the content of `state.json`."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.run_files import RunFileError
+
+STATES = ("queued", "running", "stopped", "finished", "failed", "interrupted")
+ACTIVE = ("queued", "running")
+TEXT_LIMIT = 2000
+
+
+@dataclass(frozen=True)
+class RunState:
+    """Where a run is, what it reached, and why it ended."""
+
+    state: str
+    """One of STATES; "interrupted" is never written: a run whose process died is shown so."""
+    stage: int = 0
+    """Stage being learned, from 0."""
+    stages: int = 1
+    """Number of stages of the whole run."""
+    task: str = ""
+    """Name of the stage's task, for example "source-3"."""
+    progress: float = 0.0
+    """Share of the whole run that is done, 0..1."""
+    eta_s: float | None = None
+    """Estimated time until the run ends [s]."""
+    created: str = ""
+    """When the run was asked for, ISO 8601."""
+    started: str = ""
+    """When its process began, ISO 8601."""
+    updated: str = ""
+    """When this state was written, ISO 8601."""
+    wall_s: float = 0.0
+    """Time the process has worked, by a monotonic clock [s]."""
+    pid: int | None = None
+    """Process that works on the run; means something only while the run's lock is held."""
+    error: str = ""
+    """Why the run failed, in one sentence."""
+    best_success_rate: float | None = None
+    """Best held-out success rate of the latest stage, 0..1."""
+
+    @property
+    def active(self) -> bool:
+        """Whether the run still goes on or will."""
+        return self.state in ACTIVE
+
+    def to_json(self) -> dict[str, Any]:
+        """The content of `state.json`."""
+        return dataclasses.asdict(self)
+
+    @staticmethod
+    def from_json(value: dict[str, Any]) -> RunState:
+        """The state in `state.json`; keys of later versions are ignored.
+
+        Raises:
+            RunFileError: an unknown state or a value of the wrong type.
+        """
+        if value.get("state") not in STATES:
+            raise RunFileError(f"state.json: state {str(value.get('state'))[:40]!r} is none of {', '.join(STATES)}")
+        known = {field.name: _checked(field.name, value[field.name]) for field in _FIELDS if field.name in value}
+        return RunState(**known)
+
+
+_FIELDS = dataclasses.fields(RunState)
+_TYPES: dict[str, tuple[type, ...]] = {
+    "int": (int,),
+    "float": (int, float),
+    "str": (str,),
+    "int | None": (int, type(None)),
+    "float | None": (int, float, type(None)),
+}
+_FIELD_TYPES = {field.name: _TYPES[str(field.type)] for field in _FIELDS}
+
+
+def _checked(name: str, value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, _FIELD_TYPES[name]):
+        raise RunFileError(f"state.json: {name} is {str(value)[:40]!r}, expected {' or '.join(_names(name))}")
+    return value[:TEXT_LIMIT] if isinstance(value, str) else value
+
+
+def _names(name: str) -> list[str]:
+    return ["nothing" if kind is type(None) else kind.__name__ for kind in _FIELD_TYPES[name]]

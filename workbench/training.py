@@ -1,0 +1,139 @@
+"""The process of one training: ``python -m workbench.training RUN_FOLDER``. It needs no page and no server.
+
+It stops at the end of an epoch when the run's `stop` file appears or a SIGTERM or Ctrl-C arrives, and at once
+on the second ask.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from types import FrameType
+
+from sim.errors import SubMasError
+from workbench.launcher import drain
+from workbench.recorder import RunRecorder
+from workbench.run_files import RunFileError
+from workbench.runs import Run, RunBusyError, RunStore, now
+
+
+class StopNow(BaseException):
+    """The second ask to stop: leave the epoch where it is."""
+
+
+class Signals:
+    """Counts asks to stop by SIGTERM and SIGINT; the second raises StopNow where the program stands."""
+
+    def __init__(self, run: Run) -> None:
+        self.asked = False
+        self._run = run
+
+    def __call__(self) -> bool:
+        """Whether a signal has asked the training to stop."""
+        return self.asked
+
+    def listen(self) -> None:
+        """Handle the signals from now on."""
+        signal.signal(signal.SIGTERM, self._handle)
+        signal.signal(signal.SIGINT, self._handle)
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        if self.asked or self._run.stop_requested():
+            raise StopNow
+        self.asked = True
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Train what the run folder's `config.json` says; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m workbench.training", description="Train one run folder.")
+    parser.add_argument("folder", type=Path, help="the run folder")
+    parser.add_argument(
+        "--lock", type=int, default=None, help="descriptor of the run's lock, inherited from the launcher"
+    )
+    options = parser.parse_args(arguments)
+    folder = options.folder.absolute()
+    store = RunStore(folder.parent)
+    try:
+        run = store.get(folder.name)
+        lock = _hold(run, options.lock)
+    except SubMasError as error:
+        print(f"workbench: {error}", file=sys.stderr)
+        return error.exit_code
+    try:
+        return _train(run, store)
+    finally:
+        # From here on a signal may end the process: everything is written.
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        os.close(lock)
+        drain(store)
+
+
+def _hold(run: Run, inherited: int | None) -> int:
+    """The descriptor that keeps the run's lock: the launcher's, or one of our own.
+
+    Raises:
+        RunBusyError: another process trains this run, or it has been trained.
+    """
+    if inherited is not None:
+        os.set_inheritable(inherited, False)
+        return inherited
+    lock = run.claim()
+    if lock is None:
+        raise RunBusyError(f"run {run.id} is already being trained by another process")
+    if run.state.state != "queued":
+        raise RunBusyError(f"run {run.id} is not waiting to be trained: it is {run.state.state}")
+    return lock
+
+
+def _train(run: Run, store: RunStore) -> int:
+    signals = Signals(run)
+    signals.listen()
+    state = dataclasses.replace(run.state, state="running", pid=os.getpid(), updated=now())
+    recorder = RunRecorder(run, dataclasses.replace(state, started=state.started or now()), signals)
+    try:
+        run.write_state(recorder.state)
+        _learn(run, store, recorder)
+    except StopNow:
+        recorder.end("stopped")
+        return 130
+    except RunFileError as error:
+        return _fail(recorder, str(error))
+    except OSError as error:
+        return _fail(recorder, f"cannot save: {error.strerror or error}")
+    except SubMasError as error:
+        return _fail(recorder, str(error))
+    except Exception as error:  # the last resort of a process: whatever went wrong, the run must say so
+        return _fail(recorder, f"{type(error).__name__}: {error}")
+    recorder.end("stopped" if recorder.stopped else "finished")
+    return 0
+
+
+def _learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
+    import torch
+    from agents.submas import train
+
+    from workbench.policies import guide_for
+
+    # One process per seed, one thread per process: small networks are slower with more.
+    torch.set_num_threads(1)
+    train(run.config, recorder, guide_for(run.config, store))
+
+
+def _fail(recorder: RunRecorder, reason: str) -> int:
+    traceback.print_exc()
+    try:
+        recorder.end("failed", reason)
+    except RunFileError as error:
+        # Nothing can be written any more (a full disk): the log and the exit code have to say it.
+        print(f"workbench: {error}", file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
