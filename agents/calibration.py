@@ -83,7 +83,12 @@ def _ladder(bench: _Bench) -> Iterator[Target]:
     yield Target("dragging expert, 1 missile", rates[1], max(0.95, rates[2]), 1.0)
     yield Target("dragging expert, no missile", rates[0], 0.99, 1.0)
     yield Target("largest step between neighbours of this ladder", float(-np.diff(rates).min()), 0.0, 0.25)
-    yield Target("length of the expert's successful flights, 4 missiles [s]", _successful_length(flown[-1]), 850.0, 1000.0)
+    yield Target(
+        "length of the expert's successful flights, 4 missiles [s]",
+        _successful_length(flown[-1]),
+        850.0,
+        1000.0,
+    )
 
 
 def _simple_policies(bench: _Bench) -> Iterator[Target]:

@@ -46,7 +46,10 @@ class DragRule:
         return np.where(flying, np.clip(turn[:, None], -MAX_TURN_RAD, MAX_TURN_RAD), navigate)
 
     def _turn(self, azimuth: FloatArray, yaw: FloatArray, y: FloatArray) -> FloatArray:
-        left, right = wrap_to_pi(azimuth - np.float32(self.angle_rad)), wrap_to_pi(azimuth + np.float32(self.angle_rad))
+        left, right = (
+            wrap_to_pi(azimuth - np.float32(self.angle_rad)),
+            wrap_to_pi(azimuth + np.float32(self.angle_rad)),
+        )
         inward = np.where(-np.sign(y) * np.sin(yaw + left) >= -np.sign(y) * np.sin(yaw + right), left, right)
         chosen = self._side(azimuth, yaw, left, right, inward)
         return np.where(np.abs(y) > self.edge_y_m, inward, chosen)

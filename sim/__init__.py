@@ -1,0 +1,1 @@
+"""The evader's world: physics, tasks, observations, rewards, environments; knows nothing of learning or screens."""

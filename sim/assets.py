@@ -12,7 +12,10 @@ def asset_path(*parts: str) -> Path:
     Raises:
         FileNotFoundError: neither a checkout nor an installation holds an `assets` folder.
     """
-    candidates = (Path(__file__).resolve().parents[1] / "assets", Path(sys.prefix) / "share/submas-workbench/assets")
+    candidates = (
+        Path(__file__).resolve().parents[1] / "assets",
+        Path(sys.prefix) / "share/submas-workbench/assets",
+    )
     for root in candidates:
         if root.is_dir():
             return root.joinpath(*parts)

@@ -36,7 +36,10 @@ def observation_space(task: Task) -> gymnasium.spaces.Box:
     """Bounds of Table 1 for a task `[d]`: positions and ranges [m], angles [rad], blocks down to [-1, -pi]."""
     # Twice the battlefield and then some: an aircraft may leave it for a few steps, a missile may overshoot.
     far = 2.0 * np.hypot(task.scenario.battlefield.length_m, task.scenario.battlefield.width_m)
-    own_low, own_high = [-far, -far, -np.pi, 0.0, -np.pi, -np.pi, -np.pi], [far, far, np.pi, far, np.pi, np.pi, np.pi]
+    own_low, own_high = (
+        [-far, -far, -np.pi, 0.0, -np.pi, -np.pi, -np.pi],
+        [far, far, np.pi, far, np.pi, np.pi, np.pi],
+    )
     low, high = own_low + [-1.0, -np.pi] * len(task.missiles), own_high + [far, np.pi] * len(task.missiles)
     return gymnasium.spaces.Box(np.array(low, np.float32), np.array(high, np.float32))
 
@@ -70,7 +73,9 @@ class EvasionEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.action_space = action_space()
         self._world: World | None = None
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[NDArray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray, dict[str, Any]]:
         """Start an episode; the same seed gives the same initial state on every mask."""
         super().reset(seed=seed)
         if seed is not None or self._world is None:
@@ -102,7 +107,9 @@ class EvasionVectorEnv(VectorEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._world = World(self.task, num_envs)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[NDArray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray, dict[str, Any]]:
         """Start all episodes anew; a seed fixes all that follow."""
         super().reset(seed=seed)
         if seed is None:

@@ -139,15 +139,19 @@ def step_missile(model: Model, state: State, lane: int, k: int, before: Aircraft
 
 
 @wp.func
-def fire(state: State, lane: int, k: int, interceptor: Aircraft, evader: Aircraft):
-    """Release missile k from the interceptor, with the interceptor's velocity."""
-    missile = Missile()
-    missile.position = interceptor.position
-    missile.velocity = interceptor.speed * direction(interceptor.climb, interceptor.heading)
-    state.missile[lane, k] = missile
-    state.fate[lane, k] = IN_FLIGHT
-    state.closest[lane, k] = wp.length(evader.position - interceptor.position)
-    state.since_launch[lane] = 0.0
+def launch(model: Model, state: State, lane: int, interceptor: Aircraft, evader: Aircraft):
+    """Fire the next missile when the interval has passed and the evader is in the zone; with the carrier's velocity."""
+    state.since_launch[lane] = state.since_launch[lane] + model.dt
+    k = next_missile(state, lane)
+    ready = state.outcome[lane] == FLYING and state.since_launch[lane] >= model.interval
+    if k >= 0 and ready and launch_zone(model, evader, interceptor, state.range_factor[lane, wp.max(k, 0)]):
+        missile = Missile()
+        missile.position = interceptor.position
+        missile.velocity = interceptor.speed * direction(interceptor.climb, interceptor.heading)
+        state.missile[lane, k] = missile
+        state.fate[lane, k] = IN_FLIGHT
+        state.closest[lane, k] = wp.length(evader.position - interceptor.position)
+        state.since_launch[lane] = 0.0
 
 
 @wp.func
@@ -260,11 +264,7 @@ def step_lanes(
                     terms[lane, 1 + k] = terms[lane, 1 + k] + step_missile(model, state, lane, k, e, e1)
             if state.outcome[lane] == FLYING and through_gate(model, e.position, e1.position):
                 state.outcome[lane] = EXIT
-            state.since_launch[lane] = state.since_launch[lane] + model.dt
-            k = next_missile(state, lane)
-            if k >= 0 and state.outcome[lane] == FLYING and state.since_launch[lane] >= model.interval:
-                if launch_zone(model, e1, i1, state.range_factor[lane, k]):
-                    fire(state, lane, k, i1, e1)
+            launch(model, state, lane, i1, e1)
             e = e1
             i = i1
             flown[lane] = s + 1
@@ -285,7 +285,7 @@ def reset_lanes(
     start: wp.array2d(dtype=float),
     observation: wp.array2d(dtype=float),
 ):
-    """Put lanes back to initial states `start [n, 10 + M]`: per aircraft x, y, altitude, heading, speed; range factors."""
+    """Put lanes back to initial states `start [n, 10 + M]`: aircraft x, y, altitude, heading, speed; range factors."""
     row = wp.tid()
     lane = lanes[row]
     for side in range(2):

@@ -16,7 +16,7 @@ from sim.assets import asset_path
 from sim.errors import ScenarioError
 
 
-def ranged(low: float, high: float) -> Any:  # noqa: ANN401  (a dataclass field has no better type)
+def ranged(low: float, high: float) -> Any:
     """A required number with its legal range; the unit is part of the field's name."""
     return dataclasses.field(metadata={"low": low, "high": high})
 
@@ -185,7 +185,7 @@ def parse_scenario(table: dict[str, Any], origin: str) -> Scenario:
     return scenario
 
 
-def _section(cls: type, table: Any, origin: str) -> Any:  # noqa: ANN401
+def _section(cls: type, table: Any, origin: str) -> Any:
     if not isinstance(table, dict):
         raise ScenarioError(f"{origin} must be a table, not {table!r}")
     fields = {field.name: field for field in dataclasses.fields(cls)}
@@ -201,7 +201,7 @@ def _check_keys(table: dict[str, Any], legal: set[str], origin: str) -> None:
         raise ScenarioError(f"{origin}: key '{missing[0]}' is missing")
 
 
-def _number(value: Any, field: dataclasses.Field, origin: str) -> float | int:  # noqa: ANN401
+def _number(value: Any, field: dataclasses.Field, origin: str) -> float | int:
     low, high = field.metadata["low"], field.metadata["high"]
     whole = field.type == "int"
     legal = f"a {'whole ' if whole else ''}number from {low:g} to {high:g}"
@@ -216,12 +216,18 @@ def _check_relations(scenario: Scenario, origin: str) -> None:
     start, missile, field = scenario.start, scenario.missile, scenario.battlefield
     rules = (
         (start.evader_x_low_m <= start.evader_x_high_m, "start.evader_x_low_m exceeds start.evader_x_high_m"),
-        (start.interceptor_x_low_m <= start.interceptor_x_high_m, "start.interceptor_x_low_m exceeds interceptor_x_high_m"),
+        (
+            start.interceptor_x_low_m <= start.interceptor_x_high_m,
+            "start.interceptor_x_low_m exceeds interceptor_x_high_m",
+        ),
         (-field.length_m / 2 <= start.evader_x_low_m, "start.evader_x_low_m lies left of the battlefield"),
         (start.evader_x_high_m < field.length_m / 2, "start.evader_x_high_m lies at or beyond the exit edge"),
         (start.y_spread_m <= field.width_m / 2, "start.y_spread_m exceeds half the battlefield's width"),
         (missile.propellant_kg < missile.mass_kg, "missile.propellant_kg is not below missile.mass_kg"),
-        (abs(field.exit_y_m) + field.exit_half_width_m <= field.width_m / 2, "the exit gate reaches beyond the right edge"),
+        (
+            abs(field.exit_y_m) + field.exit_half_width_m <= field.width_m / 2,
+            "the exit gate reaches beyond the right edge",
+        ),
         (start.altitude_spread_m < start.altitude_m, "start.altitude_spread_m is not below start.altitude_m"),
     )
     for holds, sentence in rules:

@@ -66,7 +66,9 @@ def parse_mask(text: str, missiles: int = 4) -> frozenset[int]:
     try:
         numbers = frozenset(int(part) for part in text.split(",") if part.strip())
     except ValueError:
-        raise MaskError(f"mask '{text}' is not a list of missiles; write numbers from 1 to {missiles}, as in 1,2") from None
+        raise MaskError(
+            f"mask '{text}' is not a list of missiles; write numbers from 1 to {missiles}, as in 1,2"
+        ) from None
     _check(numbers, missiles)
     return numbers
 

@@ -206,7 +206,15 @@ def _missile_events(m: MissileTrack, time_s: NDArray) -> list[Event]:
     if m.fate is Fate.UNLAUNCHED:
         return []
     distance = float(m.range_m[np.flatnonzero(np.isfinite(m.range_m))[0]])
-    events = [Event(m.launch_s, "launch", m.number, f"missile {m.number} launched at {distance / 1e3:.1f} km", distance)]
+    events = [
+        Event(
+            m.launch_s,
+            "launch",
+            m.number,
+            f"missile {m.number} launched at {distance / 1e3:.1f} km",
+            distance,
+        )
+    ]
     if m.fate is Fate.EVADED:
         # The time is that of the nearest record; the distance is the exact one from inside the substep.
         at = float(time_s[np.nanargmin(m.range_m)])
