@@ -1,0 +1,95 @@
+"""The pages put together: one frame with the navigation around each page of `workbench.pages`."""
+
+from __future__ import annotations
+
+import html
+import importlib
+import logging
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from layouts import theme
+from sim.errors import SubMasError
+from workbench.context import AppContext
+
+PAGES = {"fly": "Fly", "curriculum": "Curriculum", "live": "Live", "runs": "Runs"}
+"""Address and title of each page, in the order of the navigation; the first one is where `/` leads."""
+TITLE = "SubMas workbench"
+
+log = logging.getLogger(__name__)
+
+
+def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
+    """One application per page, by its address, for Panel's server."""
+    pn.extension("tabulator", notifications=True, reconnect=True, sizing_mode="stretch_width")
+    pn.config.exception_handler = _show_problem
+    return {name: partial(framed, context, name) for name in PAGES}
+
+
+def framed(context: AppContext, name: str) -> pmui.Page:
+    """The page `name` in its frame, dark unless the address says `theme=default`."""
+    light = pn.state.session_args.get("theme", [b""])[0] == b"default"
+    pn.config.theme = "default" if light else "dark"
+    links = {other: _link(other, current=other == name) for other in PAGES}
+    page = pmui.Page(
+        title=TITLE,
+        meta_title=f"{PAGES[name]} · {TITLE}",
+        site_url=f"/{next(iter(PAGES))}",
+        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"})],
+        dark_theme=not light,
+        theme_config={"palette": {"primary": {"main": theme.POLICY_A}}},
+        main=[_content(context, name)],
+    )
+    page.param.watch(lambda event: _keep_theme(links, dark=event.new), "dark_theme")
+    if light:
+        _keep_theme(links, dark=False)
+    return page
+
+
+def _link(name: str, current: bool) -> pmui.Button:
+    variant = "contained" if current else "text"
+    return pmui.Button(
+        label=PAGES[name], href=f"/{name}", variant=variant, color="light", disable_elevation=True, sizing_mode="fixed"
+    )
+
+
+def _keep_theme(links: dict[str, pmui.Button], dark: bool) -> None:
+    """The other pages and a reload come up in the colours of this one."""
+    for name, link in links.items():
+        link.href = f"/{name}" if dark else f"/{name}?theme=default"
+    if pn.state.location is not None:
+        pn.state.location.update_query(theme="dark" if dark else "default")
+
+
+def _content(context: AppContext, name: str) -> Any:
+    try:
+        return importlib.import_module(f"workbench.pages.{name}").page(context)
+    except SubMasError as error:
+        return _problem(str(error), "warning")
+    except Exception as error:
+        log.exception("the %s page failed", PAGES[name])
+        return _problem(
+            f"The {PAGES[name]} page cannot be shown: {_brief(error)}. The terminal has the details.", "error"
+        )
+
+
+def _problem(sentence: str, severity: str) -> pmui.Alert:
+    return pmui.Alert(object=html.escape(sentence), severity=severity, margin=24)
+
+
+def _brief(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+
+
+def _show_problem(error: Exception) -> None:
+    """An event that failed becomes a notification on its page; what was not foreseen is also logged."""
+    known = isinstance(error, SubMasError)
+    if not known:
+        log.error("an event failed", exc_info=error)
+    if pn.state.notifications is not None:
+        sentence = str(error) if known else f"That did not work: {_brief(error)}. The terminal has the details."
+        pn.state.notifications.error(html.escape(sentence), duration=8000)

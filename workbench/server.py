@@ -1,0 +1,182 @@
+"""The one place that binds a socket: pages, viewers, recordings and live scenes at one guarded address."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import logging
+import os
+import signal
+import sys
+import threading
+import webbrowser
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.errors import SubMasError, UsageError
+from workbench.guard import Guard, stand_before
+from workbench.run_files import take_lock
+
+if TYPE_CHECKING:
+    from panel.io.server import Server
+
+    from workbench.context import AppContext
+
+HOST = "127.0.0.1"
+LOCK = ".serve.lock"
+INTERRUPTED = 130
+WARM = (
+    "workbench.pages.fly",
+    "workbench.pages.curriculum",
+    "workbench.pages.live",
+    "workbench.pages.runs",
+    "rerun",
+    "viser",
+)
+
+log = logging.getLogger(__name__)
+
+
+class ServeError(SubMasError):
+    """The server cannot start here."""
+
+
+def serve(runs: Path, port: int = 5006, browser: bool = True) -> int:
+    """Serve until SIGINT (returns 130) or SIGTERM (returns 0).
+
+    Args:
+        runs: the runs folder, made when missing; one server at a time.
+        port: 0 takes any free one.
+        browser: whether to open the pages in the person's browser.
+
+    Raises:
+        UsageError: an impossible port.
+        ServeError: the port or the runs folder is taken, or the folder cannot be written.
+    """
+    if not 0 <= port <= 65535:
+        raise UsageError(f"port {port} does not exist; choose 1 to 65535, or 0 for any free one (--port)")
+    logging.basicConfig(level=logging.WARNING, format="workbench: %(message)s")
+    with claim(runs) as lock:
+        return asyncio.run(_serve(runs, port, browser, lock))
+
+
+@contextlib.contextmanager
+def claim(runs: Path) -> Iterator[int]:
+    """Hold the runs folder for one server; yields the lock file, which tells the next who tries the address."""
+    path = runs / LOCK
+    try:
+        runs.mkdir(parents=True, exist_ok=True)
+        lock = take_lock(path)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise ServeError(
+            f"the runs folder '{runs}' cannot be written ({reason}); choose another with --runs"
+        ) from error
+    if lock is None:
+        raise ServeError(
+            f"the runs folder '{runs}' is already served{_where(path)}; "
+            "open that one, stop it, or choose another folder with --runs"
+        )
+    try:
+        yield lock
+    finally:
+        os.ftruncate(lock, 0)
+        os.close(lock)
+
+
+def _where(lock: Path) -> str:
+    with contextlib.suppress(OSError):
+        if text := lock.read_text().strip():
+            return f" at {text}"
+    return ""
+
+
+async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
+    from workbench.context import AppContext
+
+    context, guard = AppContext.of(runs), Guard()
+    server = build(context, guard, port)
+    end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+    for number, code in ((signal.SIGINT, INTERRUPTED), (signal.SIGTERM, 0)):
+        asyncio.get_running_loop().add_signal_handler(number, lambda code=code: end.done() or end.set_result(code))
+    server.start()
+    _announce(f"http://{HOST}:{server.port}/", guard.token, lock, browser)
+    threading.Thread(target=_warm_up, name="warm-up", daemon=True).start()
+    try:
+        return await end
+    finally:
+        server.stop()
+        context.viser.close_all()
+
+
+def build(context: AppContext, guard: Guard, port: int) -> Server:
+    """The server, listening on loopback but not yet answering; needs a running event loop."""
+    from panel.io.server import get_server
+
+    from workbench.app import PAGES, TITLE, applications
+    from workbench.file_routes import file_routes
+    from workbench.viser_proxy import viser_routes
+
+    # The guard compares each websocket's origin with its host, whatever the port; Bokeh could only know fixed ports.
+    logging.getLogger("bokeh.server.util").setLevel(logging.ERROR)
+    try:
+        server = get_server(
+            applications(context),
+            port=port,
+            address=HOST,
+            title={name: f"{title} · {TITLE}" for name, title in PAGES.items()},
+            websocket_origin=["*"],
+            use_index=False,
+            extra_patterns=[
+                *file_routes(context.recordings.folder),
+                *viser_routes(context.viser),
+                *_first_page(next(iter(PAGES))),
+            ],
+        )
+    except OSError as error:
+        raise _port_error(port, error) from error
+    stand_before(server._tornado, guard)  # Bokeh has no public way to its Tornado application
+    return server
+
+
+def _first_page(name: str) -> list[tuple[str, type, dict[str, object]]]:
+    from tornado.web import RedirectHandler
+
+    return [(r"/", RedirectHandler, {"url": f"/{name}", "permanent": False})]
+
+
+def _port_error(port: int, error: OSError) -> SubMasError:
+    if error.errno == errno.EADDRINUSE:
+        return ServeError(f"port {port} is in use; choose another with --port, or --port 0 for any free one")
+    return ServeError(f"port {port} cannot be opened ({error.strerror}); choose another with --port")
+
+
+def _announce(address: str, token: str, lock: int, browser: bool) -> None:
+    """The token is printed, and nowhere else: not in the lock file, not in a log."""
+    os.ftruncate(lock, 0)
+    os.pwrite(lock, f"{address} (process {os.getpid()})\n".encode(), 0)
+    link = f"{address}?token={token}"
+    print(f"SubMas workbench: {link}\nCtrl-C stops it; trainings go on.", flush=True)
+    if browser and _has_screen():
+        threading.Thread(target=webbrowser.open, args=(link,), name="browser", daemon=True).start()
+
+
+def _has_screen() -> bool:
+    """On a machine without a screen `webbrowser` would start a text browser in this terminal."""
+    return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def _warm_up() -> None:
+    """Load what the first flight, recording and replay need, while the person looks at the first page."""
+    import importlib
+
+    from workbench.viewer_files import ensure_viewer
+
+    try:
+        for name in WARM:
+            importlib.import_module(name)
+        ensure_viewer()
+    except Exception as error:  # the page that needs it will say so to the person
+        log.warning("warm-up: %s", error)
