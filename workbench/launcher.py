@@ -38,6 +38,9 @@ INHERITED = (
 )
 """Environment variables a training process gets from the one that launches it; no others."""
 
+ENTRY = ("-m", "workbench.training")
+"""What Python runs as a training process."""
+
 _children: list[subprocess.Popen[bytes]] = []
 
 
@@ -111,7 +114,7 @@ def _start(run: Run) -> bool:
 
 
 def _spawn(run: Run, lock: int) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "workbench.training", str(run.path), "--lock", str(lock)]
+    command = [sys.executable, *ENTRY, str(run.path), "--lock", str(lock)]
     with (run.path / "log.txt").open("ab") as log:
         return subprocess.Popen(
             command,

@@ -78,10 +78,10 @@ class RunRecorder:
         return self.stopped
 
     def end(self, state: str, error: str = "") -> None:
-        """Write the last state of the run and the event that says so."""
-        finished = state == "finished"
-        self._write(state=state, error=error, eta_s=None, progress=1.0 if finished else self.state.progress)
+        """Write the event that says how the run ended, then its last state."""
         self.event(state, error or f"training {state}")
+        progress = 1.0 if state == "finished" else self.state.progress
+        self._write(state=state, error=error, eta_s=None, progress=progress)
 
     def _best(self, stage: int, success_rate: float | None) -> float | None:
         previous = self.state.best_success_rate if stage == self.state.stage else None

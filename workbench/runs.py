@@ -255,9 +255,8 @@ class RunStore:
         try:
             (self.root / TRASH).mkdir(exist_ok=True)
             with waiting_lock(self.root / LAUNCHER_LOCK):
-                if run.is_alive():
-                    raise RunBusyError(f"run {run_id} is running; stop it before deleting it")
-                if target.exists():
+                _refuse_while_alive(run)
+                if os.path.lexists(target):
                     target = target.with_name(f"{run_id}.{time.time_ns()}")
                 os.rename(run.path, target)
         except OSError as error:
@@ -266,9 +265,19 @@ class RunStore:
         return target
 
 
+def _refuse_while_alive(run: Run) -> None:
+    if run.path.is_symlink() or not run.path.is_dir():
+        return
+    # Patient: a training that has just written its last state needs a moment to leave.
+    lock = run.claim()
+    if lock is None:
+        raise RunBusyError(f"run {run.id} is running; stop it before deleting it")
+    os.close(lock)
+
+
 def now() -> str:
-    """The wall-clock time as ISO 8601 with the zone, to the millisecond."""
-    return datetime.now().astimezone().isoformat(timespec="milliseconds")
+    """The wall-clock time as ISO 8601 with the zone, to the microsecond."""
+    return datetime.now().astimezone().isoformat(timespec="microseconds")
 
 
 def shorten(text: str, limit: int = 60) -> str:

@@ -20,7 +20,6 @@ class Args:
 def run(args: Args) -> int:
     """Measure and print; 1 when a target is missed."""
     from agents.calibration import calibrate
-
     from sim.errors import UsageError
     from workbench.progress import bar
     from workbench.terminal import print_json, print_table

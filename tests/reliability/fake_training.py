@@ -1,0 +1,53 @@
+"""A training process that learns nothing, quickly: the real entry point around a stand-in for the learner.
+
+What it does is told by the run's name: `epochs=5 epoch_s=0.1 fail_at=3 nan_at=2 die_at=4`.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+from workbench import launcher, training
+from workbench.recorder import RunRecorder
+from workbench.runs import Run, RunStore
+
+
+def learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
+    told = dict(part.split("=") for part in run.config.name.split())
+    epochs, epoch_s = int(told.get("epochs", 3)), float(told.get("epoch_s", 0.01))
+    began = time.monotonic()
+    recorder.event("stage_started", "stage 1 of 1: target")
+    for epoch in range(1, epochs + 1):
+        if epoch == int(told.get("fail_at", 0)):
+            raise ValueError("the learner is broken")
+        if epoch == int(told.get("die_at", 0)):
+            os.kill(os.getpid(), signal.SIGKILL)
+        time.sleep(epoch_s)
+        loss = math.nan if epoch == int(told.get("nan_at", 0)) else 1.0 / epoch
+        recorder.epoch(metrics_row(epoch, epochs, loss, time.monotonic() - began))
+        if recorder.should_stop():
+            return
+
+
+def metrics_row(epoch: int, epochs: int, critic_loss: float = 0.1, wall_s: float = 1.0) -> dict[str, object]:
+    """One row as the learner reports it."""
+    return {
+        "stage": 0, "stages": 1, "task": "target", "missiles": [1, 2, 3, 4], "epoch": epoch, "epochs": epochs,
+        "env_steps": 100 * epoch, "updates": 10 * epoch, "alpha": 0.9, "epsilon": 0.5, "beta": 0.1,
+        "return_mean": 10.0 * epoch, "success_rate": epoch / epochs if epoch % 2 == 0 else None,
+        "train_success_rate": epoch / epochs, "train_return_mean": 9.0 * epoch, "length_mean_s": 900.0,
+        "transfer_share": 0.7, "critic_loss": critic_loss, "actor_loss": -0.1, "q_mean": 1.0,
+        "updates_per_s": 100.0, "env_steps_per_s": 1000.0, "wall_s": wall_s, "eta_s": 0.5 * (epochs - epoch),
+    }  # fmt: skip
+
+
+launcher.ENTRY = (str(Path(__file__).resolve()),)
+training._learn = learn
+
+if __name__ == "__main__":
+    sys.exit(training.main())
