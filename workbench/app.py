@@ -6,7 +6,6 @@ import html
 import importlib
 import logging
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import panel as pn
@@ -27,7 +26,8 @@ def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
     """One application per page, by its address, for Panel's server."""
     pn.extension("tabulator", notifications=True, reconnect=True, sizing_mode="stretch_width")
     pn.config.exception_handler = _show_problem
-    return {name: partial(framed, context, name) for name in PAGES}
+    # Panel calls plain functions once per session; a functools.partial it would print.
+    return {name: lambda name=name: framed(context, name) for name in PAGES}
 
 
 def framed(context: AppContext, name: str) -> pmui.Page:
@@ -41,7 +41,8 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         site_url=f"/{next(iter(PAGES))}",
         header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"})],
         dark_theme=not light,
-        theme_config={"palette": {"primary": {"main": theme.POLICY_A}}},
+        theme_config={"dark": _palette(theme.DARK), "light": _palette(theme.LIGHT)},
+        sx={"& > .header": {"backgroundColor": _css(theme.DARK.field), "backgroundImage": "none"}},
         main=[_content(context, name)],
     )
     page.param.watch(lambda event: _keep_theme(links, dark=event.new), "dark_theme")
@@ -50,10 +51,21 @@ def framed(context: AppContext, name: str) -> pmui.Page:
     return page
 
 
+def _palette(ground: theme.Ground) -> dict[str, Any]:
+    background = _css(ground.background)
+    return {
+        "palette": {"primary": {"main": theme.POLICY_A}, "background": {"default": background, "paper": background}}
+    }
+
+
+def _css(colour: theme.Rgb) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
 def _link(name: str, current: bool) -> pmui.Button:
     variant = "contained" if current else "text"
     return pmui.Button(
-        label=PAGES[name], href=f"/{name}", variant=variant, color="light", disable_elevation=True, sizing_mode="fixed"
+        label=PAGES[name], href=f"/{name}", variant=variant, color="light", disable_elevation=True, sizing_mode=None
     )
 
 

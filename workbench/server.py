@@ -13,7 +13,7 @@ import threading
 import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sim.errors import SubMasError, UsageError
 from workbench.guard import Guard, stand_before
@@ -58,6 +58,7 @@ def serve(runs: Path, port: int = 5006, browser: bool = True) -> int:
     if not 0 <= port <= 65535:
         raise UsageError(f"port {port} does not exist; choose 1 to 65535, or 0 for any free one (--port)")
     logging.basicConfig(level=logging.WARNING, format="workbench: %(message)s")
+    logging.getLogger("bokeh").setLevel(logging.ERROR)  # its warnings are about layout, for whoever writes a page
     with claim(runs) as lock:
         return asyncio.run(_serve(runs, port, browser, lock))
 
@@ -98,9 +99,11 @@ async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
 
     context, guard = AppContext.of(runs), Guard()
     server = build(context, guard, port)
-    end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+    loop = asyncio.get_running_loop()
+    loop.set_exception_handler(_forgive_leaving)
+    end: asyncio.Future[int] = loop.create_future()
     for number, code in ((signal.SIGINT, INTERRUPTED), (signal.SIGTERM, 0)):
-        asyncio.get_running_loop().add_signal_handler(number, lambda code=code: end.done() or end.set_result(code))
+        loop.add_signal_handler(number, lambda code=code: end.done() or end.set_result(code))
     server.start()
     _announce(f"http://{HOST}:{server.port}/", guard.token, lock, browser)
     threading.Thread(target=_warm_up, name="warm-up", daemon=True).start()
@@ -111,6 +114,15 @@ async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
         context.viser.close_all()
 
 
+def _forgive_leaving(loop: asyncio.AbstractEventLoop, problem: dict[str, Any]) -> None:
+    """A page that is closed while something is on its way to it is no error."""
+    from tornado.iostream import StreamClosedError
+    from tornado.websocket import WebSocketClosedError
+
+    if not isinstance(problem.get("exception"), WebSocketClosedError | StreamClosedError):
+        loop.default_exception_handler(problem)
+
+
 def build(context: AppContext, guard: Guard, port: int) -> Server:
     """The server, listening on loopback but not yet answering; needs a running event loop."""
     from panel.io.server import get_server
@@ -119,15 +131,13 @@ def build(context: AppContext, guard: Guard, port: int) -> Server:
     from workbench.file_routes import file_routes
     from workbench.viser_proxy import viser_routes
 
-    # The guard compares each websocket's origin with its host, whatever the port; Bokeh could only know fixed ports.
-    logging.getLogger("bokeh.server.util").setLevel(logging.ERROR)
     try:
         server = get_server(
             applications(context),
             port=port,
             address=HOST,
             title={name: f"{title} · {TITLE}" for name, title in PAGES.items()},
-            websocket_origin=["*"],
+            websocket_origin=["*"],  # the guard compares origin and host on any port; Bokeh could only know fixed ones
             use_index=False,
             extra_patterns=[
                 *file_routes(context.recordings.folder),
