@@ -105,9 +105,7 @@ class TrainingConfig:
         known = [item.name for item in dataclasses.fields(cls)]
         unknown = sorted(set(values) - set(known))
         if unknown:
-            raise ConfigError(
-                f"unknown key '{unknown[0]}' in a training configuration; known are {', '.join(known)}"
-            )
+            raise ConfigError(f"unknown key '{unknown[0]}' in a training configuration; known are {', '.join(known)}")
         return cls(**values)
 
 

@@ -28,6 +28,10 @@ class EvasionDomain:
         int(Outcome.TIMEOUT): "timeout",
     }
 
+    def layout(self, subtasks: tuple[int, ...]) -> ObservationLayout:
+        """Columns of a task with these missiles (Table 1)."""
+        return ObservationLayout(subtasks)
+
     def target(self, scenario: str, subtasks: int) -> Task:
         """The engagement of a scenario with missiles 1 … n."""
         task = Task(load_scenario(scenario))

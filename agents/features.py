@@ -27,7 +27,7 @@ class ObservationFeatures:
     subtasks: tuple[int, ...]
     """Subtasks that have a block in the layout, ascending."""
     length_scales_m: Mapping[str, float]
-    """Divisor [m] of every length, by the stem of its column (`r` for `r_3`); all other columns are angles."""
+    """Divisor [m] of every length, by the stem of its column (`r` for `r_3`); other columns are angles."""
     default_block: tuple[float, ...]
     """Block of a subtask that is not detected."""
 
@@ -102,9 +102,7 @@ def unseen_subtasks(known: Layout, present: Layout) -> tuple[int, ...]:
     return tuple(sorted({subtask_number(name) for name in set(present.names) - set(known.names)}))
 
 
-def adapt(
-    observation: FloatArray, present: Layout, known: Layout, default_block: tuple[float, ...]
-) -> FloatArray:
+def adapt(observation: FloatArray, present: Layout, known: Layout, default_block: tuple[float, ...]) -> FloatArray:
     """Observations `[B, d]` of layout `present`, rewritten in a layout that knows at least its subtasks.
 
     Blocks that `present` lacks are filled with the default block: the subtask is never detected.

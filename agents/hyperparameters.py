@@ -127,7 +127,7 @@ PAPER: Final = Hyperparameters(
     two_returns=False,
     actor_average=0.0,
     evaluate_every=1,
-    # SpinningUp tests on 10 episodes; β would move in steps of 0.1, and 100 episodes as lanes take about as long.
+    # SpinningUp tests on 10 episodes; β would move in steps of 0.1, and 100 as lanes take about as long.
     evaluation_episodes=100,
     beta_source="evaluation",
     promotion_success=2.0,
@@ -173,7 +173,5 @@ SMOKE: Final = dataclasses.replace(
 )
 """Seconds per stage, for tests; it is not expected to learn."""
 
-PROFILES: Final[Mapping[str, Hyperparameters]] = MappingProxyType(
-    {"paper": PAPER, "fast": FAST, "smoke": SMOKE}
-)
+PROFILES: Final[Mapping[str, Hyperparameters]] = MappingProxyType({"paper": PAPER, "fast": FAST, "smoke": SMOKE})
 """Hyperparameters by profile name."""

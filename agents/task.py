@@ -156,6 +156,10 @@ class Domain(Protocol):
         """Names of all ways to end an episode, `GOAL_REACHED` first."""
         ...
 
+    def layout(self, subtasks: tuple[int, ...]) -> Any:
+        """`Layout` of a task with these subtasks."""
+        ...
+
     def target(self, scenario: str, subtasks: int) -> Any:
         """The task with subtasks 1 … n of a scenario."""
         ...

@@ -1,0 +1,58 @@
+"""Held-out evaluation during training: which policy is kept, and when a stage is passed."""
+
+from __future__ import annotations
+
+from agents.evaluation import Evaluation, evaluate
+from agents.hyperparameters import Hyperparameters
+from agents.policy import NetworkPolicy
+from agents.stage import Stage
+from agents.training_state import TrainingState
+
+
+def current_policy(stage: Stage, state: TrainingState) -> NetworkPolicy:
+    """The averaged actor (or the actor itself, without averaging) as a policy of its own."""
+    learner = state.learner
+    actor = learner.average_actor if stage.hyper.actor_average > 0.0 else learner.actor
+    pairs = [(layer.weight.detach().numpy().copy(), layer.bias.detach().numpy().copy()) for layer in actor.layers]
+    features = stage.domain.features(stage.task.layout)
+    return NetworkPolicy(policy_name(stage), features, pairs, stage.domain.action_limit)
+
+
+def policy_name(stage: Stage) -> str:
+    """Name of what this stage makes: `submas-source-3`, `dec-pd-target`."""
+    return f"{stage.config.variant}-{stage.task.name}"
+
+
+def evaluate_held_out(stage: Stage, state: TrainingState, policy: NetworkPolicy) -> Evaluation:
+    """Fly the policy, without noise or guide, on initial states that nothing was trained or chosen on before."""
+    evaluation = evaluate(
+        policy,
+        stage.task,
+        stage.hyper.evaluation_episodes,
+        stage.held_out_seed,
+        domain=stage.domain,
+        first_episode=state.evaluated_episodes,
+    )
+    state.evaluated_episodes += evaluation.episodes
+    return evaluation
+
+
+def is_better(new: Evaluation, best: Evaluation | None) -> bool:
+    """More successes, or as many with a higher return."""
+    if best is None:
+        return True
+    return (new.success_rate, new.mean_return) > (best.success_rate, best.mean_return)
+
+
+def promotion_reason(state: TrainingState, hyper: Hyperparameters) -> str:
+    """Why the stage is passed, as a sentence; empty while it is not.
+
+    A stage is passed after `promotion_evaluations` held-out evaluations in a row with success at or above
+    `promotion_success`. One would do by luck once in a while; the swings of an actor that still learns are wide.
+    """
+    if state.passes < hyper.promotion_evaluations or state.evaluation is None:
+        return ""
+    return (
+        f"{state.passes} held-out evaluations of {state.evaluation.episodes} episodes in a row with success "
+        f"of at least {hyper.promotion_success:.1%}, the last {state.evaluation.success_rate:.1%}"
+    )
