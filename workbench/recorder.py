@@ -15,7 +15,6 @@ from workbench.runs import Run, now
 
 if TYPE_CHECKING:
     from agents.checkpoint import PolicyCard
-
     from agents.policy import Policy
 
 WATCHED = ("critic_loss", "actor_loss", "q_mean", "return_mean")
@@ -24,6 +23,10 @@ WATCHED = ("critic_loss", "actor_loss", "q_mean", "return_mean")
 
 class DivergedError(SubMasError):
     """Learning produced a number that is not finite."""
+
+
+class AskedToStop(Exception):
+    """A stage was about to begin although the training was asked to stop."""
 
 
 class RunRecorder:
@@ -61,7 +64,13 @@ class RunRecorder:
                 raise DivergedError(f"learning diverged: non-finite {name} at epoch {row['epoch']} of {row['task']}")
 
     def event(self, kind: str, text: str, **fields: object) -> None:
-        """Append one event, stamped with the wall-clock time and the seconds since the run began."""
+        """Append one event, stamped with the wall-clock time and the seconds since the run began.
+
+        Raises:
+            AskedToStop: a stage wants to start after somebody asked the training to stop.
+        """
+        if kind == "stage_started" and self.should_stop():
+            raise AskedToStop
         stamp = {"time": now(), "wall_s": round(self._wall_s(), 3)}
         append_line(self.run.path / "events.jsonl", {**stamp, "kind": kind, "text": text, **fields})
 

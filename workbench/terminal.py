@@ -24,7 +24,9 @@ def print_json(value: Mapping[str, Any]) -> None:
 
 def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], title: str = "") -> None:
     """A table on standard output; cells are data: markup and control sequences in them have no effect."""
-    table = Table(title=Text(printable(title)) if title else None, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    if title:
+        print(printable(title), end="\n\n")
+    table = Table(box=None, pad_edge=False, header_style="bold")
     for column in columns:
         table.add_column(Text(column), overflow="fold")
     for row in rows:

@@ -18,7 +18,7 @@ from types import FrameType
 
 from sim.errors import SubMasError
 from workbench.launcher import drain
-from workbench.recorder import RunRecorder
+from workbench.recorder import AskedToStop, RunRecorder
 from workbench.run_files import RunFileError
 from workbench.runs import Run, RunBusyError, RunStore, now
 
@@ -102,6 +102,9 @@ def _train(run: Run, store: RunStore) -> int:
     except StopNow:
         recorder.end("stopped")
         return 130
+    except AskedToStop:
+        recorder.end("stopped")
+        return 0
     except RunFileError as error:
         return _fail(recorder, str(error))
     except OSError as error:
@@ -116,8 +119,8 @@ def _train(run: Run, store: RunStore) -> int:
 
 def _learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
     import torch
-    from agents.submas import train
 
+    from agents.submas import train
     from workbench.policies import guide_for
 
     # One process per seed, one thread per process: small networks are slower with more.

@@ -83,9 +83,7 @@ def test_the_limit_on_running_trainings_holds(store: RunStore, config: Config) -
     assert Counter(run.state.state for run in store.list()) == {"running": 2, "queued": 3}
 
 
-def test_a_killed_training_is_interrupted_and_never_started_again(
-    store: RunStore, config: Config, wait: Wait
-) -> None:
+def test_a_killed_training_is_interrupted_and_never_started_again(store: RunStore, config: Config, wait: Wait) -> None:
     run = launch(store, config("epochs=9 die_at=3"))
     wait(run, "interrupted")
     assert len(run.metrics()) == 2
@@ -101,9 +99,7 @@ def test_a_reused_pid_does_not_bring_a_run_back_to_life(store: RunStore, config:
 
 
 @pytest.mark.parametrize("signalled", [True, False], ids=["SIGTERM", "stop file"])
-def test_the_first_ask_to_stop_ends_the_epoch(
-    signalled: bool, store: RunStore, config: Config, wait: Wait
-) -> None:
+def test_the_first_ask_to_stop_ends_the_epoch(signalled: bool, store: RunStore, config: Config, wait: Wait) -> None:
     run = launch(store, config("epochs=1000 epoch_s=0.05"))
     _until_learning(run)
     if signalled:

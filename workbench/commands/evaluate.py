@@ -46,6 +46,8 @@ def run(args: Args) -> int:
 
     if not 1 <= args.episodes <= EPISODES_LIMIT:
         raise UsageError(f"--episodes is {args.episodes}; legal are 1 to {EPISODES_LIMIT}")
+    if args.seed < 0:
+        raise UsageError(f"--seed is {args.seed}; it must not be negative")
     task = task_for(args.scenario, args.mask)
     policy = resolve_policy(args.policy, RunStore(args.runs))
     with bar(f"{policy.name} on {task.name}", "engagements") as progress:

@@ -34,6 +34,7 @@ class Args:
 def run(args: Args) -> int:
     """Fly, show, and write the file if one is asked for."""
     from agents.policy import bind
+    from sim.errors import UsageError
     from sim.task import task_for
     from sim.trajectory import fly
     from workbench.exports import check_target, export
@@ -41,6 +42,8 @@ def run(args: Args) -> int:
     from workbench.runs import RunStore
     from workbench.terminal import print_json
 
+    if args.seed < 0:
+        raise UsageError(f"--seed is {args.seed}; it must not be negative")
     if args.out is not None:
         check_target(args.out)
     task = task_for(mask=args.mask)

@@ -108,12 +108,10 @@ def _cell(value: object) -> str:
 def stage_summaries(run: Run) -> list[dict[str, Any]]:
     """What each stage of a run has reached: task, best held-out success rate, epochs and working time [s]."""
     stages: dict[int, dict[str, Any]] = {}
-    before_s = 0.0
     for row in run.metrics():
-        stage = stages.setdefault(row["stage"], {"task": row["task"], "success_rate": None, "epochs": 0, "wall_s": 0.0})
+        fresh = {"task": row["task"], "success_rate": None, "epochs": 0, "wall_s": 0.0}
+        stage = stages.setdefault(row["stage"], fresh)
         rates = [rate for rate in (stage["success_rate"], row.get("success_rate")) if rate is not None]
-        stage.update(epochs=row["epoch"], success_rate=max(rates, default=None))
-        elapsed = row.get("wall_s") or before_s
-        stage["wall_s"] = round(stage["wall_s"] + max(elapsed - before_s, 0.0), 3)
-        before_s = elapsed
+        # The learner's clock starts anew with every stage.
+        stage.update(epochs=row["epoch"], success_rate=max(rates, default=None), wall_s=row.get("wall_s") or 0.0)
     return [stages[number] for number in sorted(stages)]
