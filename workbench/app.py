@@ -33,7 +33,7 @@ def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
 def framed(context: AppContext, name: str) -> pmui.Page:
     """The page `name` in its frame, dark unless the address says `theme=default`."""
     light = pn.state.session_args.get("theme", [b""])[0] == b"default"
-    pn.config.theme = "default" if light else "dark"
+    setattr(pn.config, "theme", "default" if light else "dark")  # noqa: B010 - Panel hides the setter from type checkers
     links = {other: _link(other, current=other == name) for other in PAGES}
     page = pmui.Page(
         title=TITLE,
@@ -74,7 +74,7 @@ def _keep_theme(links: dict[str, pmui.Button], dark: bool) -> None:
     for name, link in links.items():
         link.href = f"/{name}" if dark else f"/{name}?theme=default"
     if pn.state.location is not None:
-        pn.state.location.update_query(theme="dark" if dark else "default")
+        pn.state.location.update_query(theme="dark" if dark else "default")  # pyright: ignore[reportArgumentType]
 
 
 def _content(context: AppContext, name: str) -> Any:

@@ -92,6 +92,8 @@ def _foreign(request: HTTPServerRequest) -> Answer | None:
     host = request.headers.get("Host", "")
     if not OUR_HOST.fullmatch(host) or not (request.uri or "").startswith("/"):
         return Answer(403, "This server answers to localhost and 127.0.0.1 only.")
+    if "%00" in request.path:
+        return Answer(400, "An address holds no zero byte.")  # Tornado's file handlers would fail on it
     if request.method not in ("GET", "HEAD"):
         return Answer(405, "This server only answers GET and HEAD.")
     origin = request.headers.get("Origin")
@@ -158,6 +160,8 @@ class SecurityHeaders(OutputTransform):
             headers[name] = value
         if "Content-Security-Policy" not in headers:
             headers["Content-Security-Policy"] = PAGE_CSP
+        for name in [name for name in headers if name.startswith("Access-Control-")]:
+            del headers[name]  # Bokeh lets any site read its embedding script
         return status_code, headers, chunk
 
 

@@ -133,7 +133,7 @@ def build(context: AppContext, guard: Guard, port: int) -> Server:
 
     try:
         server = get_server(
-            applications(context),
+            dict(applications(context)),
             port=port,
             address=HOST,
             title={name: f"{title} · {TITLE}" for name, title in PAGES.items()},

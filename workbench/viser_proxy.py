@@ -61,6 +61,7 @@ def _loopback_server(origin: str) -> viser.ViserServer:
     import rich
     import viser
     import websockets.asyncio.server as sockets
+    from websockets.typing import Origin
 
     class PrivateServer(viser.ViserServer):
         """Never opens the public tunnel that any client could ask viser for."""
@@ -73,7 +74,7 @@ def _loopback_server(origin: str) -> viser.ViserServer:
     with _construction:
         # viser offers no way to name the origins it accepts; it looks `serve` up when it starts.
         plain = sockets.serve
-        sockets.serve = functools.partial(plain, origins=[origin])  # pyright: ignore[reportAttributeAccessIssue]
+        sockets.serve = functools.partial(plain, origins=[Origin(origin)])  # pyright: ignore[reportAttributeAccessIssue]
         try:
             server = PrivateServer(host="127.0.0.1", port=0, verbose=False)
         finally:

@@ -1,0 +1,71 @@
+"""A page in Chromium, already let in; whatever the console complains about fails the test."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import ConsoleMessage, Page
+
+from tests.conftest import Served
+from workbench.chromium import MISSING, find_chromium, headless_flags
+
+# Telemetry and fonts that the Rerun viewer asks for and our content policy refuses; nothing else may be refused.
+RERUN_PHONES_HOME = ("tel.rerun.io", "api.github.com", "fonts.googleapis.com", "fonts.gstatic.com")
+PATIENCE_MS = 30_000
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Everything in this folder drives a browser."""
+    for item in items:
+        if "browser" in item.path.parts:
+            item.add_marker(pytest.mark.browser)
+
+
+@pytest.fixture(scope="session")
+def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[str, Any]:
+    """Playwright starts the Chromium that is there; without one the tests fail in CI and are skipped elsewhere."""
+    chromium = find_chromium()
+    if chromium is None:
+        if os.environ.get("CI"):
+            pytest.fail(MISSING)
+        pytest.skip(MISSING)
+    return {**browser_type_launch_args, "executable_path": str(chromium), "args": headless_flags()}
+
+
+@pytest.fixture(scope="session")
+def browser_context_args(browser_context_args: dict[str, Any]) -> dict[str, Any]:
+    """The window of a laptop."""
+    return {**browser_context_args, "viewport": {"width": 1440, "height": 900}}
+
+
+@pytest.fixture
+def complaints(page: Page) -> Iterator[list[str]]:
+    """What went wrong in the page so far: errors of scripts, refused contents, failed requests."""
+    found: list[str] = []
+
+    def hear(message: ConsoleMessage) -> None:
+        if message.type == "error" and not any(host in message.text for host in RERUN_PHONES_HOME):
+            found.append(message.text)
+
+    page.on("console", hear)
+    page.on("pageerror", lambda error: found.append(str(error)))
+    page.on("requestfinished", lambda request: _note_failure(found, request))
+    yield found
+    assert not found
+
+
+def _note_failure(found: list[str], request: Any) -> None:
+    reply = request.response()
+    if reply is not None and reply.status >= 400:
+        found.append(f"{reply.status} {request.url}")
+
+
+@pytest.fixture
+def visitor(page: Page, served: Served, complaints: list[str]) -> Page:
+    """A page that has followed the printed link; tests go on with `visitor.goto(served.address + "/runs")`."""
+    page.set_default_timeout(PATIENCE_MS)
+    page.goto(served.link)
+    return page
