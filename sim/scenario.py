@@ -164,7 +164,7 @@ def load_scenario(name: str = "default") -> Scenario:
         raise ScenarioError(f"no scenario '{name}'; there are {', '.join(scenario_names())}, or a path to a .toml file")
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:  # damaged TOML or UTF-8, and whole numbers of thousands of digits
         raise ScenarioError(f"scenario file {path} is not TOML: {error}") from None
     return parse_scenario(table, str(path))
 
@@ -207,7 +207,7 @@ def _number(value: Any, field: dataclasses.Field, origin: str) -> float | int:
     legal = f"a {'whole ' if whole else ''}number from {low:g} to {high:g}"
     if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
         raise ScenarioError(f"{origin} is {value!r}; legal is {legal}")
-    if not math.isfinite(value) or not low <= value <= high:
+    if not low <= value <= high:  # NaN lies in no range
         raise ScenarioError(f"{origin} is {value}; legal is {legal}")
     return int(value) if whole else float(value)
 
