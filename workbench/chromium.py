@@ -38,5 +38,5 @@ def _downloaded_by_playwright() -> Path | None:
 
 
 def headless_flags() -> list[str]:
-    """Flags for a Chromium nobody looks at; the sandbox is off for root alone, for whom Chromium refuses to start with it."""
+    """Flags for a Chromium nobody looks at; only root, for whom it would not start, goes without sandbox."""
     return [*HEADLESS_FLAGS, *(["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else [])]

@@ -30,7 +30,9 @@ _COMMON = (
 )
 # Bokeh compiles its templates with Function() and loads components from blob: addresses.
 PAGE_CSP = _COMMON + "script-src 'self' blob: 'unsafe-inline' 'unsafe-eval'"
-# The Rerun and viser viewers are WebAssembly; no foreign host in `connect-src` is what keeps Rerun's telemetry off.
+# viser compiles its message readers, and its depth sorting is WebAssembly.
+SCENE_CSP = _COMMON + "script-src 'self' blob: 'unsafe-inline' 'unsafe-eval' 'wasm-unsafe-eval'"
+# The Rerun viewer is WebAssembly; no foreign host in `connect-src` is what keeps its telemetry off.
 VIEWER_CSP = _COMMON + "script-src 'self' blob: 'unsafe-inline' 'wasm-unsafe-eval'"
 HEADERS = {
     "X-Content-Type-Options": "nosniff",

@@ -23,7 +23,7 @@ from tornado.websocket import (
     websocket_connect,
 )
 
-from workbench.guard import VIEWER_CSP
+from workbench.guard import SCENE_CSP
 
 if TYPE_CHECKING:
     import viser
@@ -113,7 +113,7 @@ class ViserHandler(WebSocketHandler):
             await super().get(*args, **kwargs)
             return
         self.set_header("Content-Type", "text/html; charset=utf-8")
-        self.set_header("Content-Security-Policy", VIEWER_CSP)
+        self.set_header("Content-Security-Policy", SCENE_CSP)
         self.set_header("Cache-Control", "private, no-cache")
         self.finish(_client_page())
 
