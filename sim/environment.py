@@ -105,29 +105,31 @@ class EvasionVectorEnv(VectorEnv):
         self.single_observation_space, self.single_action_space = observation_space(self.task), action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._world = World(self.task, num_envs)
+        self._world: World | None = None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray, dict[str, Any]]:
         """Start all episodes anew; a seed fixes all that follow."""
         super().reset(seed=seed)
-        if seed is None:
+        if seed is None and self._world is not None:
             return self._world.reset(), {}
-        self._world = World(self.task, self.num_envs, seed)
+        start_seed = int(self.np_random.integers(2**62)) if seed is None else seed
+        self._world = World(self.task, self.num_envs, start_seed)
         return self._world.observation, {}
 
     def step(self, actions: NDArray[np.float32]) -> tuple[NDArray, NDArray, NDArray, NDArray, dict[str, Any]]:
         """Fly one second; lanes that end are restarted at once (SAME_STEP)."""
+        if self._world is None:
+            raise gymnasium.error.ResetNeeded("call reset before step")
         step = self._world.step(actions)
         ended = step.terminated | step.truncated
         info: dict[str, Any] = {}
         observation = step.observation
+        for lane in np.flatnonzero(ended).tolist():
+            last = {"final_obs": step.observation[lane], "final_info": _summary(self._world, lane)}
+            info = self._add_info(info, last, lane)
         if ended.any():
-            info = {"final_obs": np.full(self.num_envs, None, dtype=object), "_final_obs": ended}
-            for lane in np.flatnonzero(ended):
-                info["final_obs"][lane] = step.observation[lane]
-            info["final_info"] = {"outcome": self._world.outcome, "_outcome": ended}
             observation = self._world.reset(ended)
         reward = step.reward_terms.sum(axis=1, dtype=np.float64)
         return observation, reward, step.terminated, step.truncated, info
