@@ -63,9 +63,9 @@ def _css(colour: theme.Rgb) -> str:
 
 
 def _link(name: str, current: bool) -> pmui.Button:
-    variant = "contained" if current else "text"
+    variant, colour = ("contained", "primary") if current else ("text", "light")
     return pmui.Button(
-        label=PAGES[name], href=f"/{name}", variant=variant, color="light", disable_elevation=True, sizing_mode=None
+        label=PAGES[name], href=f"/{name}", variant=variant, color=colour, disable_elevation=True, sizing_mode=None
     )
 
 
