@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import numpy as np
-from bokeh.models import ColumnDataSource, FixedTicker, Range1d
-from bokeh.plotting import figure
-from numpy.typing import NDArray
+from collections.abc import Sequence
 
-from layouts.chart import Columns, add_csv, add_lines, chart, dotted, thin_index
+import numpy as np
+from bokeh.models import FixedTicker, Range1d
+
+from layouts.chart import Columns, FlightChart, Marks, add_csv, add_lines, chart, dotted, empty, thin_index
 from layouts.theme import missile_colour
-from sim.trajectory import MissileTrack, Trajectory
+from sim.trajectory import Trajectory
 from sim.world import Fate
 
 HALF_TURN_DEG = 180.0
+END_COLUMNS = ("end_time_s", "end_azimuth_deg", "end_missile", "end_marker", "end_colour")
 
 
 def azimuth_columns(trajectory: Trajectory) -> Columns:
@@ -40,37 +41,30 @@ def wrap_gaps(columns: Columns) -> Columns:
     return filled
 
 
-def azimuth_figure(
-    trajectory: Trajectory, title: str, height: int = 240, x_range: Range1d | None = None
-) -> figure:
-    """Azimuth of every missile [deg] over time [s], left of the nose positive; o evaded, x hit."""
-    source = ColumnDataSource(azimuth_columns(trajectory))
+def azimuth_chart(missiles: Sequence[int], height: int = 240, x_range: Range1d | None = None) -> FlightChart:
+    """Azimuth [deg] of these missiles over time [s], left of the nose positive; ends: o evaded, x hit."""
+    source, ends = empty(["time_s", *(f"missile_{m}_deg" for m in missiles)]), empty(END_COLUMNS)
     y_range = Range1d(-HALF_TURN_DEG, HALF_TURN_DEG, bounds=(-HALF_TURN_DEG, HALF_TURN_DEG))
-    fig = chart(title, "azimuth [deg]", height, x_range, y_range)
+    fig = chart("azimuth [deg]", height, x_range, y_range)
     fig.yaxis.ticker = FixedTicker(ticks=[-180, -90, 0, 90, 180])
     dotted(fig, -90.0, 90.0)
-    lines = [
-        (f"missile_{m.number}_deg", f"missile {m.number}", missile_colour(m.number))
-        for m in trajectory.missiles
-    ]
-    add_lines(fig, source, "time_s", lines)
-    for track in trajectory.missiles:
-        _mark_end(fig, trajectory.time_s, track)
-    add_csv(fig, "azimuth", source)
-    return fig
-
-
-def _mark_end(fig: figure, time_s: NDArray[np.floating], track: MissileTrack) -> None:
-    flown = np.flatnonzero(np.isfinite(track.azimuth_rad))
-    if flown.size == 0 or track.fate not in (Fate.EVADED, Fate.HIT):
-        return
-    last, hit = flown[-1], track.fate == Fate.HIT
+    add_lines(fig, source, "time_s", [(f"missile_{m}_deg", f"missile {m}", missile_colour(m)) for m in missiles])
     fig.scatter(
-        [float(time_s[last])],
-        [float(np.degrees(track.azimuth_rad[last]))],
-        marker="x" if hit else "circle",
-        size=11 if hit else 7,
-        line_width=2.5 if hit else 1.5,
-        color=missile_colour(track.number),
+        "end_time_s", "end_azimuth_deg", marker="end_marker", color="end_colour", source=ends, size=9, line_width=2,
         fill_alpha=0.0,
-    )
+    )  # fmt: skip
+    add_csv(fig, "azimuth", source)
+    return FlightChart(fig, source, azimuth_columns, ends, end_columns)
+
+
+def end_columns(trajectory: Trajectory) -> Marks:
+    """Where each missile's curve ends: one row per missile that was evaded or hit."""
+    rows = []
+    for track in trajectory.missiles:
+        flown = np.flatnonzero(np.isfinite(track.azimuth_rad))
+        if flown.size and track.fate in (Fate.EVADED, Fate.HIT):
+            # A hit passes the evader within its last instant, and with it the angle jumps.
+            last, marker = (flown[-2:][0], "x") if track.fate == Fate.HIT else (flown[-1], "circle")
+            angle = float(np.degrees(track.azimuth_rad[last]))
+            rows.append((float(trajectory.time_s[last]), angle, track.number, marker, missile_colour(track.number)))
+    return {name: [row[i] for row in rows] for i, name in enumerate(END_COLUMNS)}

@@ -48,14 +48,10 @@ def compare_blueprint(titles: Mapping[str, str]) -> rrb.Blueprint:
         titles: words for each prefix, left to right.
     """
     columns = [
-        rrb.Vertical(
-            _space_view(prefix, title), _azimuth_view(prefix), _range_view(prefix), row_shares=[3, 1.4, 1.4]
-        )
+        rrb.Vertical(_space_view(prefix, title), _azimuth_view(prefix), _range_view(prefix), row_shares=[3, 1.4, 1.4])
         for prefix, title in titles.items()
     ]
-    clock = rrb.TimePanel(
-        state="collapsed", timeline=CLOCK, playback_speed=10.0, play_state="paused", loop_mode="off"
-    )
+    clock = rrb.TimePanel(state="collapsed", timeline=CLOCK, playback_speed=10.0, play_state="paused", loop_mode="off")
     hidden = [
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
@@ -101,7 +97,9 @@ def _clock(time_s: NDArray[np.floating]) -> list[rr.TimeColumn]:
 def _log_field(recording: rr.RecordingStream, path: str, field: Battlefield) -> None:
     x, y = field.length_m * KM / 2, field.width_m * KM / 2
     border = [(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0), (-x, -y, 0.0)]
-    recording.log(f"{path}/border", rr.LineStrips3D([border], colors=[DARK.border]), static=True)
+    recording.log(
+        f"{path}/border", rr.LineStrips3D([border], colors=[DARK.border], radii=rr.Radius.ui_points(1.0)), static=True
+    )
     low, high = ((field.exit_y_m + side * field.exit_half_width_m) * KM for side in (-1, 1))
     top = 9.0 * EXAGGERATION
     gate = [(x, low, 0.0), (x, high, 0.0), (x, high, top), (x, low, top), (x, low, 0.0)]
@@ -115,14 +113,10 @@ def _log_body(recording: rr.RecordingStream, path: str, flight: Trajectory, name
     if not body.flies:
         return
     every = (
-        max(1, round(TRACK_EVERY_S / max(float(np.median(np.diff(body.time_s))), 1e-6)))
-        if len(body.time_s) > 1
-        else 1
+        max(1, round(TRACK_EVERY_S / max(float(np.median(np.diff(body.time_s))), 1e-6))) if len(body.time_s) > 1 else 1
     )
     times, points = body.time_s[::every], body.position_km[::every]
-    point = rr.Points3D.from_fields(
-        colors=[ink], radii=[rr.Radius.ui_points(6.0)], labels=[name.replace("_", " ")]
-    )
+    point = rr.Points3D.from_fields(colors=[ink], radii=[rr.Radius.ui_points(6.0)], labels=[name.replace("_", " ")])
     recording.log(path, point, static=True)
     recording.send_columns(path, _clock(times), rr.Points3D.columns(positions=points))
     whole = rr.LineStrips3D([points], colors=[(*ink, 90)], radii=rr.Radius.ui_points(0.8))
@@ -145,9 +139,7 @@ def _log_curves(recording: rr.RecordingStream, path: str, columns: Columns, unit
     times = columns["time_s"]
     for name, values in list(columns.items())[1:]:
         shown = name.removesuffix(unit)
-        ink = (
-            rgb(missile_colour(int(shown.split("_")[1]))) if shown.startswith("missile") else rgb(INTERCEPTOR)
-        )
+        ink = rgb(missile_colour(int(shown.split("_")[1]))) if shown.startswith("missile") else rgb(INTERCEPTOR)
         label = shown.replace("_", " ")
         recording.log(f"{path}/{shown}", rr.SeriesLines(colors=ink, names=label, widths=2.0), static=True)
         scalars = rr.Scalars.columns(scalars=values.astype(float))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,13 @@ from bokeh.plotting import figure
 from numpy.typing import NDArray
 
 from layouts.theme import NEUTRAL
+from sim.trajectory import Trajectory
 
 Columns = dict[str, NDArray[Any]]
 """Equally long arrays by name, in plotting units; the first is the horizontal axis. Also what a CSV holds."""
+
+Marks = dict[str, list[Any]]
+"""Columns of a few marks, text among them."""
 
 MAX_POINTS = 2500
 CURSOR_TAG = "clock-cursor"
@@ -59,43 +64,55 @@ def largest(*tables: Columns) -> float:
     return max((float(values.max()) for values in columns if values.size), default=1.0)
 
 
-def chart(
-    title: str,
-    y_label: str,
-    height: int = 240,
-    x_range: Range1d | None = None,
-    y_range: Range1d | None = None,
-) -> figure:
-    """An empty figure over time [s] with cursor, tap and save; ranges may be shared to link figures."""
-    ranges: dict[str, Any] = {"x_range": x_range} if x_range else {}
-    if y_range:
-        ranges["y_range"] = y_range
+@dataclass(frozen=True)
+class FlightChart:
+    """A figure that can show any flight of a scenario: `show` changes it in place, so that it never flickers."""
+
+    figure: figure
+    source: ColumnDataSource
+    columns: Callable[[Trajectory], Columns]
+    ends: ColumnDataSource | None = None
+    mark_ends: Callable[[Trajectory], Marks] | None = None
+
+    def show(self, flight: Trajectory, title: str | None = None) -> None:
+        """Show this flight; curves it does not have (masked missiles) stay empty and leave the legend."""
+        columns = self.columns(flight)
+        nothing = np.full(len(next(iter(columns.values()))), np.nan)
+        self.source.data = {name: columns.get(name, nothing) for name in self.source.column_names}
+        if self.ends is not None and self.mark_ends is not None:
+            self.ends.data = self.mark_ends(flight)
+        if title is not None:
+            self.figure.title.text = title
+        for item in self.figure.legend[0].items if self.figure.legend else []:
+            item.visible = item.renderers[0].name in columns
+
+
+def chart(y_label: str, height: int = 240, x_range: Range1d | None = None, y_range: Range1d | None = None) -> figure:
+    """An empty figure over time [s] with title, cursor, tap and save; ranges may be shared to link figures."""
     fig = figure(
-        title=title,
-        height=height,
-        sizing_mode="stretch_width",
-        tools="xpan,xwheel_zoom,box_zoom,reset,save,tap",
-        x_axis_label="time [s]",
-        y_axis_label=y_label,
-        min_border_right=12,
-        active_drag=None,
-        **ranges,
+        title=" ", height=height, sizing_mode="stretch_width", tools="xpan,xwheel_zoom,box_zoom,reset,save,tap",
+        x_axis_label="time [s]", y_axis_label=y_label, min_border_right=12, active_drag=None,
+        x_range=x_range or Range1d(0.0, 1.0), y_range=y_range or Range1d(0.0, 1.0),
+    )  # fmt: skip
+    plain(fig)
+    cursor = Span(
+        location=0.0, dimension="height", line_color=NEUTRAL, line_width=1.5, level="overlay", tags=[CURSOR_TAG]
     )
+    fig.add_layout(cursor)
+    fig.js_on_event("tap", CustomJS(args={"event": CLOCK_EVENT}, code=_CLOCK_CODE))
+    return fig
+
+
+def plain(fig: figure) -> None:
+    """No logo, no frame, and a toolbar only while the pointer is over the figure."""
     fig.toolbar.logo = None
     fig.toolbar.autohide = True
     fig.outline_line_color = None
-    fig.add_layout(
-        Span(
-            location=0.0,
-            dimension="height",
-            line_color=NEUTRAL,
-            line_width=1.5,
-            level="overlay",
-            tags=[CURSOR_TAG],
-        )
-    )
-    fig.js_on_event("tap", CustomJS(args={"event": CLOCK_EVENT}, code=_CLOCK_CODE))
-    return fig
+
+
+def empty(columns: Sequence[str]) -> ColumnDataSource:
+    """A source with these columns and no rows."""
+    return ColumnDataSource({name: [] for name in columns})
 
 
 def add_csv(fig: figure, name: str, *sources: ColumnDataSource) -> None:
@@ -108,29 +125,22 @@ def add_lines(fig: figure, source: ColumnDataSource, x: str, lines: Sequence[tup
     """Draw (column, label, colour) as lines with a hover and a legend above whose entries hide their line."""
     entries = []
     for column, label, colour in lines:
-        glyph = fig.line(
-            x, column, source=source, color=colour, line_width=2.2, line_join="round", name=label
-        )
+        glyph = fig.line(x, column, source=source, color=colour, line_width=2.2, line_join="round", name=column)
         glyph.nonselection_glyph = None
         entries.append((label, [glyph]))
-        tips = [("", label), (x.replace("_s", " [s]"), f"@{x}{{0.0}}"), (column, f"@{column}{{0.0}}")]
-        fig.add_tools(HoverTool(renderers=[glyph], tooltips=tips, mode="mouse", visible=False))
+    tips = [(x.replace("_s", " [s]"), f"@{x}{{0.0}}"), ("", "$name: @$name{0.00}")]
+    drawn = [glyphs[0] for _label, glyphs in entries]
+    fig.add_tools(HoverTool(renderers=drawn, tooltips=tips, visible=False))
     add_legend(fig, entries)
 
 
 def add_legend(fig: figure, entries: Sequence[tuple[str, list[Any]]]) -> None:
     """One row of legend entries above the plot; a click hides what an entry names."""
-    if entries:
-        legend = Legend(
-            items=list(entries), orientation="horizontal", click_policy="hide", padding=0, margin=2
-        )
-        fig.add_layout(legend, "above")
+    legend = Legend(items=list(entries), orientation="horizontal", click_policy="hide", padding=0, margin=2)
+    fig.add_layout(legend, "above")
 
 
 def dotted(fig: figure, *heights: float) -> None:
     """Horizontal dotted reference lines."""
     for height in heights:
-        line = Span(
-            location=height, dimension="width", line_dash="dotted", line_color=NEUTRAL, line_width=1.5
-        )
-        fig.add_layout(line)
+        fig.add_layout(Span(location=height, dimension="width", line_dash="dotted", line_color=NEUTRAL, line_width=1.5))

@@ -19,8 +19,7 @@ def masks_by_level(missiles: int) -> list[list[Mask]]:
     """All 2^n masks; entry k holds those that leave k missiles, in the order of the numbers that are left."""
     every = range(1, missiles + 1)
     return [
-        [frozenset(every) - frozenset(kept) for kept in combinations(every, count)]
-        for count in range(missiles + 1)
+        [frozenset(every) - frozenset(kept) for kept in combinations(every, count)] for count in range(missiles + 1)
     ]
 
 
@@ -143,6 +142,4 @@ def _draw_nodes(fig: figure, source: ColumnDataSource) -> None:
     common = {"source": source, "text_align": "center", "text_baseline": "middle", "level": "overlay"}
     fig.text("x", "y", text="name", text_color="ink", text_font_size="13px", text_font_style="bold", **common)
     fig.text("x", "y", text="caption", text_color=NEUTRAL, text_font_size="11px", y_offset=33, **common)
-    fig.add_tools(
-        TapTool(renderers=[nodes]), HoverTool(renderers=[nodes], tooltips=[("", "@task"), ("mask", "@mask")])
-    )
+    fig.add_tools(TapTool(renderers=[nodes]), HoverTool(renderers=[nodes], tooltips=[("", "@task"), ("mask", "@mask")]))

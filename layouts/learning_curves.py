@@ -10,7 +10,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource, LegendItem, Range1d
 from bokeh.plotting import figure
 
-from layouts.chart import MAX_POINTS, Columns, add_csv, add_lines, thin_index
+from layouts.chart import MAX_POINTS, Columns, add_csv, add_lines, plain, thin_index
 from layouts.theme import NEUTRAL, POLICY_A, POLICY_B, SUCCESS, missile_colour
 
 Row = Mapping[str, Any]
@@ -112,7 +112,7 @@ def _sheet(title: str, height: int, linked: figure | None, y_range: Range1d | No
         tools="xpan,xwheel_zoom,box_zoom,reset,save",
         **ranges,
     )
-    fig.toolbar.logo, fig.toolbar.autohide, fig.outline_line_color = None, True, None
+    plain(fig)
     return fig
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from bokeh.models import ColumnDataSource, Range1d
+from bokeh.models import Range1d
 from bokeh.plotting import figure
 
-from layouts.chart import Columns, add_csv, add_legend, thin_index
+from layouts.chart import Columns, FlightChart, Marks, add_csv, add_legend, empty, plain, thin_index
 from layouts.theme import GATE, INTERCEPTOR, NEUTRAL, POLICY_A, missile_colour
 from sim.scenario import Battlefield
 from sim.trajectory import BodyTrack, MissileTrack, Trajectory
@@ -14,7 +16,7 @@ from sim.world import Fate
 
 KM = 1e-3
 MARGIN = 0.04
-BODIES_TAG = "map-bodies"
+MARK_COLUMNS = ("mark_x_km", "mark_y_km", "mark", "mark_marker", "mark_size", "mark_colour")
 
 
 def map_columns(trajectory: Trajectory) -> Columns:
@@ -33,40 +35,35 @@ def named_tracks(trajectory: Trajectory) -> list[tuple[str, BodyTrack | MissileT
     return [("evader", trajectory.evader), ("interceptor", trajectory.interceptor), *missiles]
 
 
-def map_figure(
-    trajectory: Trajectory,
-    title: str,
-    height: int = 240,
-    evader_colour: str = POLICY_A,
+def map_chart(
+    field: Battlefield, missiles: Sequence[int], height: int = 240, evader_colour: str = POLICY_A,
     ranges: tuple[Range1d, Range1d] | None = None,
-) -> figure:
-    """Top view with equal scales; x to the right [km], y up [km]."""
-    field = trajectory.task.scenario.battlefield
+) -> FlightChart:  # fmt: skip
+    """Top view with equal scales; x to the right [km], y up [km]; o starts and evaded missiles, x hit."""
     x_range, y_range = ranges or map_ranges(field)
     fig = figure(
-        title=title,
-        height=height,
-        sizing_mode="stretch_width",
-        match_aspect=True,
-        x_range=x_range,
-        y_range=y_range,
-        tools="pan,wheel_zoom,box_zoom,reset,save",
-        active_drag=None,
-        x_axis_label="x [km]",
-        y_axis_label="y [km]",
-    )
-    fig.toolbar.logo, fig.toolbar.autohide, fig.outline_line_color = None, True, None
+        title=" ", height=height, sizing_mode="stretch_width", match_aspect=True, x_range=x_range, y_range=y_range,
+        tools="pan,wheel_zoom,box_zoom,reset,save", active_drag=None, x_axis_label="x [km]", y_axis_label="y [km]",
+    )  # fmt: skip
+    plain(fig)
     _draw_field(fig, field)
-    source = ColumnDataSource(map_columns(trajectory))
+    bodies = {"evader": evader_colour, "interceptor": INTERCEPTOR}
+    bodies |= {f"missile_{m}": missile_colour(m) for m in missiles}
+    source = empty(["time_s", *(f"{name}_{axis}_km" for name in bodies for axis in "xy")])
     entries = []
-    for name, _track in named_tracks(trajectory):
-        colour = _colour(name, evader_colour)
-        line = fig.line(f"{name}_x_km", f"{name}_y_km", source=source, color=colour, line_width=2.2)
+    for name, colour in bodies.items():
+        line = fig.line(
+            f"{name}_x_km", f"{name}_y_km", source=source, color=colour, line_width=2.2, name=f"{name}_x_km"
+        )
         entries.append((name.replace("_", " "), [line]))
     add_legend(fig, entries)
-    _draw_marks(fig, trajectory, evader_colour)
+    marks = empty(MARK_COLUMNS)
+    fig.scatter(
+        "mark_x_km", "mark_y_km", marker="mark_marker", size="mark_size", color="mark_colour", source=marks,
+        line_width=2, fill_alpha=0.0,
+    )  # fmt: skip
     add_csv(fig, "map", source)
-    return fig
+    return FlightChart(fig, source, map_columns, marks, lambda flight: mark_columns(flight, evader_colour))
 
 
 def map_ranges(field: Battlefield) -> tuple[Range1d, Range1d]:
@@ -75,43 +72,23 @@ def map_ranges(field: Battlefield) -> tuple[Range1d, Range1d]:
     return Range1d(-half_x, half_x), Range1d(-half_y, half_y)
 
 
-def _colour(name: str, evader_colour: str) -> str:
-    if name == "evader":
-        return evader_colour
-    return INTERCEPTOR if name == "interceptor" else missile_colour(int(name.split("_")[1]))
+def mark_columns(trajectory: Trajectory, evader_colour: str) -> Marks:
+    """Starts of both aircraft and the ends of missiles that were evaded or hit."""
+    rows = [(*trajectory.evader.position_m[0, :2] * KM, "evader", "circle", 9.0, evader_colour)]
+    rows.append((*trajectory.interceptor.position_m[0, :2] * KM, "interceptor", "circle", 9.0, INTERCEPTOR))
+    for track in trajectory.missiles:
+        flown = np.flatnonzero(np.isfinite(track.position_m[:, 0]))
+        if flown.size and track.fate in (Fate.EVADED, Fate.HIT):
+            marker, size = ("x", 13.0) if track.fate == Fate.HIT else ("circle", 8.0)
+            place = track.position_m[flown[-1], :2] * KM
+            rows.append((*place, f"missile_{track.number}", marker, size, missile_colour(track.number)))
+    return {name: [row[i] for row in rows] for i, name in enumerate(MARK_COLUMNS)}
 
 
 def _draw_field(fig: figure, field: Battlefield) -> None:
     half_x, half_y = field.length_m * KM / 2, field.width_m * KM / 2
     fig.quad(
-        left=-half_x,
-        right=half_x,
-        bottom=-half_y,
-        top=half_y,
-        fill_alpha=0.05,
-        fill_color=NEUTRAL,
-        line_color=NEUTRAL,
+        left=-half_x, right=half_x, bottom=-half_y, top=half_y, fill_alpha=0.05, fill_color=NEUTRAL, line_color=NEUTRAL
     )
     low, high = ((field.exit_y_m + sign * field.exit_half_width_m) * KM for sign in (-1, 1))
     fig.line([half_x, half_x], [low, high], color=GATE, line_width=7)
-
-
-def _draw_marks(fig: figure, trajectory: Trajectory, evader_colour: str) -> None:
-    start = trajectory.evader.position_m[0, :2] * KM
-    fig.scatter([start[0]], [start[1]], marker="circle", size=9, color=evader_colour)
-    foe = trajectory.interceptor.position_m[0, :2] * KM
-    fig.scatter([foe[0]], [foe[1]], marker="circle", size=9, color=INTERCEPTOR)
-    for track in trajectory.missiles:
-        flown = np.flatnonzero(np.isfinite(track.position_m[:, 0]))
-        if flown.size and track.fate in (Fate.EVADED, Fate.HIT):
-            end = track.position_m[flown[-1], :2] * KM
-            marker, size = ("x", 13) if track.fate == Fate.HIT else ("circle", 8)
-            fig.scatter(
-                [end[0]],
-                [end[1]],
-                marker=marker,
-                size=size,
-                line_width=2,
-                color=missile_colour(track.number),
-                fill_alpha=0.0,
-            )

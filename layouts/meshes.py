@@ -26,8 +26,8 @@ def aircraft() -> Mesh:
 
 def missile() -> Mesh:
     """A slender body with four tail fins."""
-    body = spindle([(0.5, 0.0), (0.34, 0.075), (-0.5, 0.075), (-0.5, 0.0)])
-    fins = plate([(-0.22, 0.0), (-0.42, 0.25), (-0.52, 0.25), (-0.52, -0.25), (-0.42, -0.25)], 0.02)
+    body = spindle([(0.5, 0.0), (0.3, 0.1), (-0.5, 0.1), (-0.5, 0.0)])
+    fins = plate([(-0.1, 0.0), (-0.4, 0.3), (-0.52, 0.3), (-0.52, -0.3), (-0.4, -0.3)], 0.02)
     return join(body, fins, stand_up(fins))
 
 

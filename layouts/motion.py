@@ -68,8 +68,7 @@ def quaternions(
 ) -> NDArray[np.float64]:
     """Attitudes [N, 4] (w, x, y, z): nose turned left by heading and up by pitch, left wing down by bank."""
     yaw, pitch, roll = (
-        np.asarray(angle, dtype=float) / 2.0
-        for angle in (heading_rad, -np.asarray(pitch_rad), -np.asarray(bank_rad))
+        np.asarray(angle, dtype=float) / 2.0 for angle in (heading_rad, -np.asarray(pitch_rad), -np.asarray(bank_rad))
     )
     cy, sy, cp, sp, cr, sr = (
         np.cos(yaw),

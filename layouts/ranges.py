@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from bokeh.models import ColumnDataSource, Range1d
-from bokeh.plotting import figure
+from collections.abc import Sequence
 
-from layouts.chart import Columns, add_csv, add_lines, chart, largest, thin_index
+import numpy as np
+from bokeh.models import Range1d
+
+from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, thin_index
 from layouts.theme import INTERCEPTOR, missile_colour
 from sim.trajectory import Trajectory
 
@@ -22,25 +23,14 @@ def range_columns(trajectory: Trajectory) -> Columns:
     return columns
 
 
-def range_figure(
-    trajectory: Trajectory,
-    title: str,
-    height: int = 240,
-    x_range: Range1d | None = None,
-    y_range: Range1d | None = None,
-) -> figure:
+def range_chart(
+    missiles: Sequence[int], height: int = 240, x_range: Range1d | None = None, y_range: Range1d | None = None
+) -> FlightChart:
     """Ranges [km] over time [s]."""
-    source = ColumnDataSource(range_columns(trajectory))
-    fig = chart(title, "range [km]", height, x_range, y_range)
-    missiles = [
-        (f"missile_{m.number}_km", f"missile {m.number}", missile_colour(m.number))
-        for m in trajectory.missiles
-    ]
-    add_lines(fig, source, "time_s", [("interceptor_km", "interceptor", INTERCEPTOR), *missiles])
+    lines = [("interceptor_km", "interceptor", INTERCEPTOR)]
+    lines += [(f"missile_{m}_km", f"missile {m}", missile_colour(m)) for m in missiles]
+    source = empty(["time_s", *(line[0] for line in lines)])
+    fig = chart("range [km]", height, x_range, y_range)
+    add_lines(fig, source, "time_s", lines)
     add_csv(fig, "ranges", source)
-    return fig
-
-
-def longest_range_km(*trajectories: Trajectory) -> float:
-    """Largest distance in any of the flights [km], to give their figures one scale."""
-    return largest(*(range_columns(t) for t in trajectories))
+    return FlightChart(fig, source, range_columns)

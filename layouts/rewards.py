@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-from bokeh.models import ColumnDataSource, Range1d
-from bokeh.plotting import figure
+from collections.abc import Sequence
 
-from layouts.chart import Columns, add_csv, add_lines, chart, thin_index
+import numpy as np
+from bokeh.models import Range1d
+
+from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, thin_index
 from layouts.theme import NEUTRAL, SUCCESS, missile_colour
 from sim.trajectory import Trajectory
+
+TIME_INK = "#b08968"
 
 
 def reward_columns(trajectory: Trajectory) -> Columns:
@@ -26,28 +29,14 @@ def reward_columns(trajectory: Trajectory) -> Columns:
     return columns | {"time": sums[index, -1], "total": sums.sum(axis=1)[index]}
 
 
-def reward_figure(
-    trajectory: Trajectory,
-    title: str,
-    height: int = 240,
-    x_range: Range1d | None = None,
-    y_range: Range1d | None = None,
-) -> figure:
+def reward_chart(
+    missiles: Sequence[int], height: int = 240, x_range: Range1d | None = None, y_range: Range1d | None = None
+) -> FlightChart:
     """Cumulative reward terms and their total, the episode return, over time [s]."""
-    source = ColumnDataSource(reward_columns(trajectory))
-    fig = chart(title, "cumulative reward", height, x_range, y_range)
-    lines = [("total", "return", NEUTRAL), ("goal", "goal", SUCCESS), ("time", "time", "#b08968")]
-    lines += [
-        (f"missile_{number}", f"missile {number}", missile_colour(number))
-        for number in trajectory.task.missiles
-    ]
+    lines = [("total", "return", NEUTRAL), ("goal", "goal", SUCCESS), ("time", "time", TIME_INK)]
+    lines += [(f"missile_{m}", f"missile {m}", missile_colour(m)) for m in missiles]
+    source = empty(["time_s", *(line[0] for line in lines)])
+    fig = chart("cumulative reward", height, x_range, y_range)
     add_lines(fig, source, "time_s", lines)
     add_csv(fig, "rewards", source)
-    return fig
-
-
-def reward_span(*trajectories: Trajectory) -> tuple[float, float]:
-    """Lowest and highest running sum of any of the flights, to give their figures one scale."""
-    sums = [np.cumsum(t.reward_terms, axis=0) for t in trajectories]
-    values = np.concatenate([np.concatenate([s.ravel(), s.sum(axis=1)]) for s in sums] + [np.zeros(1)])
-    return float(values.min()), float(values.max())
+    return FlightChart(fig, source, reward_columns)

@@ -35,9 +35,10 @@ EXAGGERATION = 4.0
 GAP_KM = 14.0
 TAIL_S = 75.0
 TAIL_POINTS = 26
+TAIL_LIFT_KM = 0.4
 PATH_POINTS = 500
-AIRCRAFT_KM = 9.0
-MISSILE_KM = 6.5
+AIRCRAFT_KM = 10.0
+MISSILE_KM = 8.0
 GRID_KM = 20.0
 BURST = (255, 150, 60)
 
@@ -88,6 +89,7 @@ def build_scene(
     colours: Sequence[str],
     mode: Mode = "dark",
     overlay: bool = False,
+    root: str = "",
 ) -> FlightScene:
     """Replace the server's scene by these flights, side by side, or all on one battlefield when `overlay`.
 
@@ -97,12 +99,14 @@ def build_scene(
         colours: `#rrggbb` of each flight's evader.
         mode: dark or light ground.
         overlay: draw all flights on one battlefield.
+        root: prefix of all names. viser keeps the place of a name that comes back, so it should be a new one each time.
     """
     look, field = ground(mode), flights[0].task.scenario.battlefield
     pitch = 0.0 if overlay else field.length_m * KM + GAP_KM
     server.scene.reset()
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(True, cast_shadow=False)
+    server.scene.configure_environment_map(None)
     server.scene.set_background_image(np.full((2, 2, 3), look.background, dtype=np.uint8), format="png")
     bodies: list[Body] = []
     marks: list[Mark] = []
@@ -110,8 +114,8 @@ def build_scene(
         for number, (flight, colour) in enumerate(zip(flights, colours, strict=True)):
             offset = np.array([(number - (len(flights) - 1) / 2) * pitch, 0.0, 0.0])
             if number == 0 or not overlay:
-                add_battlefield(server, f"/field_{number}", field, look, offset)
-            added = _add_flight(server, f"/flight_{number}", flight, colour, look, offset)
+                add_battlefield(server, f"{root}/field_{number}", field, look, offset)
+            added = _add_flight(server, f"{root}/flight_{number}", flight, colour, look, offset)
             bodies += added[0]
             marks += added[1]
     width = field.length_m * KM + pitch * (len(flights) - 1)
@@ -121,14 +125,10 @@ def build_scene(
     return scene
 
 
-def add_battlefield(
-    server: viser.ViserServer, name: str, field: Battlefield, look: Ground, offset_km: NDArray
-) -> None:
+def add_battlefield(server: viser.ViserServer, name: str, field: Battlefield, look: Ground, offset_km: NDArray) -> None:
     """Ground, grid, border and exit gate of one battlefield (Fig. 2)."""
     half = np.array([field.length_m, field.width_m]) * KM / 2
-    corners = np.array(
-        [(-half[0], -half[1], 0), (half[0], -half[1], 0), (half[0], half[1], 0), (-half[0], half[1], 0)]
-    )
+    corners = np.array([(-half[0], -half[1], 0), (half[0], -half[1], 0), (half[0], half[1], 0), (-half[0], half[1], 0)])
     faces = np.array([(0, 1, 2), (0, 2, 3)])
     scene, place = server.scene, {"position": tuple(offset_km)}
     scene.add_mesh_simple(
@@ -172,9 +172,7 @@ def _add_flight(
     parts.append(("interceptor", flight.interceptor, INTERCEPTOR, aircraft(), AIRCRAFT_KM, np.inf))
     for track in flight.missiles:
         gone = track.end_s if np.isfinite(track.end_s) else np.inf
-        parts.append(
-            (f"missile_{track.number}", track, missile_colour(track.number), missile(), MISSILE_KM, gone)
-        )
+        parts.append((f"missile_{track.number}", track, missile_colour(track.number), missile(), MISSILE_KM, gone))
     bodies, marks = [], []
     for part, track, ink, mesh, size, gone in parts:
         path = motion(track, flight.time_s, EXAGGERATION, offset_km)
@@ -187,9 +185,7 @@ def _add_flight(
             path = motion(track, flight.time_s, EXAGGERATION, offset_km)
             hit = track.fate == Fate.HIT
             ink = BURST if hit else scene_ink(missile_colour(track.number), look)
-            marks.append(
-                _add_mark(server, f"{name}/end_{track.number}", path, ink, 4.0 if hit else 1.1, track.end_s)
-            )
+            marks.append(_add_mark(server, f"{name}/end_{track.number}", path, ink, 4.0 if hit else 1.1, track.end_s))
     if shot:
         path = motion(flight.evader, flight.time_s, EXAGGERATION, offset_km)
         marks.append(_add_mark(server, f"{name}/shot_down", path, rgb(FAILURE), 2.4, end_s))
@@ -208,13 +204,9 @@ def _add_body(
 ) -> Body:
     whole = path.position_km[:: max(1, len(path.position_km) // PATH_POINTS)]
     nowhere = np.zeros(3)
-    _lines(server, f"{name}_path", segments(whole), blend(ink, look.field, 0.62), 1.3, nowhere)
-    tail = _lines(
-        server, f"{name}_tail", path.tail(float(path.time_s[0]), TAIL_S, TAIL_POINTS), ink, 3.2, nowhere
-    )
-    drop = _lines(
-        server, f"{name}_drop", _drop(path.position_km[0]), blend(ink, look.field, 0.5), 1.2, nowhere
-    )
+    _lines(server, f"{name}_path", segments(whole), blend(ink, look.field, 0.5), 1.8, nowhere)
+    tail = _lines(server, f"{name}_tail", _tail(path, float(path.time_s[0])), ink, 3.2, nowhere)
+    drop = _lines(server, f"{name}_drop", _drop(path.position_km[0]), blend(ink, look.field, 0.5), 1.2, nowhere)
     shape = server.scene.add_mesh_simple(
         name,
         mesh.vertices * size_km,
@@ -228,9 +220,7 @@ def _add_body(
     return Body(path, shape, tail, drop, gone_after_s)
 
 
-def _add_mark(
-    server: viser.ViserServer, name: str, path: Motion, ink: Rgb, radius_km: float, time_s: float
-) -> Mark:
+def _add_mark(server: viser.ViserServer, name: str, path: Motion, ink: Rgb, radius_km: float, time_s: float) -> Mark:
     ball = server.scene.add_icosphere(
         name,
         radius=radius_km,
@@ -252,7 +242,7 @@ def _place(body: Body, time_s: float) -> None:
     if flying:
         position = body.motion.position(time_s)
         body.mesh.position, body.mesh.wxyz = position, body.motion.attitude(time_s)
-        body.tail.points = body.motion.tail(time_s, TAIL_S, TAIL_POINTS)
+        body.tail.points = _tail(body.motion, time_s)
         body.drop.points = _drop(position)
 
 
@@ -261,13 +251,16 @@ def _set_visible(handle: Any, visible: bool) -> None:
         handle.visible = visible
 
 
+def _tail(path: Motion, time_s: float) -> NDArray[np.float64]:
+    # Just above the whole path, or the two would flicker through each other.
+    return path.tail(time_s, TAIL_S, TAIL_POINTS) + np.array([0.0, 0.0, TAIL_LIFT_KM])
+
+
 def _drop(position_km: NDArray) -> NDArray[np.float64]:
     return segments(np.array([position_km, position_km * (1.0, 1.0, 0.0)]))
 
 
-def _lines(
-    server: viser.ViserServer, name: str, points: NDArray, ink: Rgb, pixels: float, offset_km: NDArray
-) -> Any:
+def _lines(server: viser.ViserServer, name: str, points: NDArray, ink: Rgb, pixels: float, offset_km: NDArray) -> Any:
     return server.scene.add_line_segments(
         name, points, ink, thickness=pixels, thickness_units="screen", position=tuple(offset_km)
     )

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from bokeh.models import ColumnDataSource, Range1d
-from bokeh.plotting import figure
+from collections.abc import Sequence
 
-from layouts.chart import Columns, add_csv, add_lines, chart, largest, thin_index
+import numpy as np
+from bokeh.models import Range1d
+
+from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, thin_index
 from layouts.theme import INTERCEPTOR, POLICY_A, missile_colour
 from sim.trajectory import Trajectory
 
@@ -25,27 +26,15 @@ def speed_columns(trajectory: Trajectory) -> Columns:
     return columns
 
 
-def speed_figure(
-    trajectory: Trajectory,
-    title: str,
-    height: int = 240,
-    x_range: Range1d | None = None,
-    y_range: Range1d | None = None,
+def speed_chart(
+    missiles: Sequence[int], height: int = 240, x_range: Range1d | None = None, y_range: Range1d | None = None,
     evader_colour: str = POLICY_A,
-) -> figure:
+) -> FlightChart:  # fmt: skip
     """Speeds [m/s] over time [s]."""
-    source = ColumnDataSource(speed_columns(trajectory))
-    fig = chart(title, "speed [m/s]", height, x_range, y_range)
     lines = [("evader_m_s", "evader", evader_colour), ("interceptor_m_s", "interceptor", INTERCEPTOR)]
-    lines += [
-        (f"missile_{m.number}_m_s", f"missile {m.number}", missile_colour(m.number))
-        for m in trajectory.missiles
-    ]
+    lines += [(f"missile_{m}_m_s", f"missile {m}", missile_colour(m)) for m in missiles]
+    source = empty(["time_s", *(line[0] for line in lines)])
+    fig = chart("speed [m/s]", height, x_range, y_range)
     add_lines(fig, source, "time_s", lines)
     add_csv(fig, "speeds", source)
-    return fig
-
-
-def highest_speed_m_s(*trajectories: Trajectory) -> float:
-    """Largest speed in any of the flights [m/s], to give their figures one scale."""
-    return largest(*(speed_columns(t) for t in trajectories))
+    return FlightChart(fig, source, speed_columns)

@@ -35,9 +35,7 @@ class Ground:
     """How far inks are moved towards the far end (white on dark, black on light) in 3-D, 0 to 1."""
 
 
-DARK = Ground(
-    background=(13, 17, 23), field=(22, 29, 41), grid=(41, 52, 70), border=(104, 122, 150), lift=0.25
-)
+DARK = Ground(background=(13, 17, 23), field=(22, 29, 41), grid=(41, 52, 70), border=(104, 122, 150), lift=0.12)
 LIGHT = Ground(
     background=(246, 248, 251), field=(228, 234, 243), grid=(205, 214, 227), border=(122, 136, 158), lift=0.1
 )

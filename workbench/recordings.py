@@ -1,0 +1,95 @@
+"""Rerun recordings (`.rrd`) of flights, written when somebody asks; a cache, as the format changes with every release."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from layouts.theme import POLICY_A, POLICY_B, missile_colour
+from sim.trajectory import Trajectory
+from workbench.viewer_files import cache_folder
+
+PREFIXES = "abcdefgh"
+"""Entities of the first flight are under `/a`, of the second under `/b`, and so on."""
+
+KEPT = 64
+"""Recordings kept in the cache (about 1.5 MB each); the oldest go first."""
+
+
+class Recordings:
+    """The cache folder of one user. Names are made from what a recording holds, so equal flights share one file."""
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self.folder = folder or cache_folder() / "rrd"
+
+    def compare(self, flights: Mapping[str, Trajectory]) -> str:
+        """Name of the recording that shows these flights side by side on one clock, written if there is none.
+
+        Args:
+            flights: each flight by its caption, left to right; at most eight.
+        """
+        name = f"flights-{_digest(flights)}.rrd"
+        path = self.folder / name
+        if path.is_file():
+            os.utime(path)  # the oldest files are those nobody looked at
+            return name
+        self.folder.mkdir(parents=True, exist_ok=True)
+        handle, scratch = tempfile.mkstemp(dir=self.folder, suffix=".tmp")
+        os.close(handle)
+        try:
+            write_recording(Path(scratch), flights)
+            os.replace(scratch, path)
+        finally:
+            Path(scratch).unlink(missing_ok=True)
+        self._prune()
+        return name
+
+    def _prune(self) -> None:
+        kept = []
+        for path in self.folder.glob("flights-*.rrd"):
+            try:
+                kept.append((path.stat().st_mtime, path))
+            except FileNotFoundError:  # another process prunes as well
+                continue
+        for _age, path in sorted(kept, reverse=True)[KEPT:]:
+            path.unlink(missing_ok=True)
+
+
+def write_recording(path: Path, flights: Mapping[str, Trajectory]) -> None:
+    """Write flights, by their captions, into one recording that opens side by side; 0.1 s a flight.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    import rerun as rr
+
+    from layouts.blueprint import APPLICATION, compare_blueprint, log_flight
+
+    with path.open("wb"):  # Rerun only warns when it cannot write
+        pass
+    titles = dict(zip(PREFIXES, flights, strict=False))
+    recording = rr.RecordingStream(APPLICATION, recording_id=_digest(flights))
+    recording.save(path, default_blueprint=compare_blueprint(titles))
+    for number, (prefix, title) in enumerate(titles.items()):
+        log_flight(recording, prefix, flights[title], evader_colour(number))
+    recording.flush()
+    recording.disconnect()
+
+
+def evader_colour(number: int) -> str:
+    """Ink of the evader in the first (0), second (1) and further flights."""
+    return (POLICY_A, POLICY_B)[number] if number < 2 else missile_colour(number)
+
+
+def _digest(flights: Mapping[str, Trajectory]) -> str:
+    seal = hashlib.sha256(importlib.metadata.version("rerun-sdk").encode())
+    for title, flight in flights.items():
+        seal.update(f"|{title}|{flight.task.scenario.digest}|{sorted(flight.task.masked)}|".encode())
+        seal.update(flight.evader.position_m.tobytes())
+        for track in flight.missiles:
+            seal.update(track.position_m.tobytes())
+    return seal.hexdigest()[:20]
