@@ -17,16 +17,6 @@ from sim.world import Fate, Outcome, World
 HALF_TURN = np.float32(np.pi / 2)
 
 
-def register() -> None:
-    """Make `SubMas/Evasion-v0` known to Gymnasium; called by its `gymnasium.envs` entry point."""
-    if "SubMas/Evasion-v0" not in gymnasium.registry:
-        gymnasium.register(
-            "SubMas/Evasion-v0",
-            entry_point="sim.environment:EvasionEnv",
-            vector_entry_point="sim.environment:EvasionVectorEnv",
-        )
-
-
 def action_space() -> gymnasium.spaces.Box:
     """Turning angle in [-pi/2, pi/2] [rad], shape (1,)."""
     return gymnasium.spaces.Box(-HALF_TURN, HALF_TURN, (1,), np.float32)

@@ -125,7 +125,7 @@ def drag(observation: NDArray) -> NDArray:
     azimuth = np.take_along_axis(azimuths, closest[:, None], axis=1)
     turn = azimuth - np.where(azimuth >= 0.0, 2.0, -2.0)
     flying = np.isfinite(ranges.min(axis=1))[:, None]
-    return np.where(flying, np.clip(np.arctan2(np.sin(turn), np.cos(turn)), -np.pi / 2, np.pi / 2), to_exit(observation))
+    return np.where(flying, np.clip(wrapped(turn), -np.pi / 2, np.pi / 2), to_exit(observation))
 
 
 def random_turns(steps: int, lanes: int, seed: int = 0) -> NDArray[np.float32]:

@@ -31,7 +31,7 @@ def test_wrapping_twice_is_wrapping_once() -> None:
 
 @pytest.mark.parametrize(
     ("angle", "expected"),
-    [(0.0, 0.0), (math.pi, math.pi), (-math.pi, math.pi), (3 * math.pi, math.pi), (-0.5, -0.5), (4.0, 4.0 - 2 * math.pi)],
+    [(0.0, 0.0), (math.pi, math.pi), (-math.pi, math.pi), (3 * math.pi, math.pi), (-0.5, -0.5), (4.0, 4.0 - math.tau)],
 )
 def test_corners_of_the_half_open_interval(angle: float, expected: float) -> None:
     # -pi is the default azimuth of a missile that does not fly: no true azimuth may ever be that.

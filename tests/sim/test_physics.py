@@ -1,5 +1,6 @@
 """Physics functions against published tables and against geometry done another way."""
 
+# ruff: noqa: ANN201  (kernels return nothing and say so by silence)
 # Warp reads annotations of kernels at run time, so no `from __future__ import annotations` here.
 import math
 

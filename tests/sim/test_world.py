@@ -29,7 +29,8 @@ def test_a_step_has_the_declared_shapes_and_kinds() -> None:
 
 
 def test_lanes_start_with_the_first_episodes() -> None:
-    np.testing.assert_array_equal(World(task(), 4, seed=9).observation[:, :2], initial_states(DRILL, 9, np.arange(4))[:, :2])
+    expected = initial_states(DRILL, 9, np.arange(4))
+    np.testing.assert_array_equal(World(task(), 4, seed=9).observation[:, :2], expected[:, :2])
 
 
 def test_restarted_lanes_take_the_next_unused_episodes() -> None:
