@@ -44,7 +44,8 @@ class ObservationFeatures:
 
     def detected(self, observation: FloatArray) -> BoolArray:
         """Which subtasks are detected `[B, M]`: their block differs from the default block."""
-        blocks = observation[:, self._block_columns].reshape(len(observation), len(self.subtasks), -1)
+        shape = (len(observation), len(self.subtasks), len(self.default_block))
+        blocks = observation[:, self._block_columns].reshape(shape)
         return (blocks != np.asarray(self.default_block, np.float32)).any(axis=2)
 
     def encode(self, observation: FloatArray) -> FloatArray:

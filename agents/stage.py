@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from agents.config import TrainingConfig, Variant
 from agents.hyperparameters import Hyperparameters
 from agents.policy import Policy
 from agents.task import Domain
 from agents.transfer_mask import TransferMask
+
+TRAINING_SEEDS: Final = 2**42
+HELD_OUT_SEEDS: Final = 2**43
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,13 +40,16 @@ class Stage:
 
     @property
     def seed(self) -> int:
-        """Seed of this stage: the same whether it is trained alone or within a curriculum."""
-        return self.config.seed * 1_000 + len(self.domain.subtasks(self.task))
+        """Seed of this stage: the same whether it is trained alone or within a curriculum.
+
+        Far above what a person types, so that `evaluate --seed 1` never meets an initial state of a training.
+        """
+        return TRAINING_SEEDS + self.config.seed * 1_000 + len(self.domain.subtasks(self.task))
 
     @property
     def held_out_seed(self) -> int:
         """Seed of the initial states used for evaluation alone; never one of any training."""
-        return 2**31 + self.seed
+        return self.seed - TRAINING_SEEDS + HELD_OUT_SEEDS
 
     @property
     def transfer_mask(self) -> TransferMask:

@@ -9,6 +9,7 @@ import hashlib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -129,7 +130,7 @@ class RobotWorld:
     def _reward_terms(self, alive: np.ndarray) -> np.ndarray:
         terms = np.zeros((self.lanes, OBSTACLES + 2), np.float32)
         terms[alive, -1] = -0.02
-        range_, azimuth = self._sense()
+        range_, _ = self._sense()
         for obstacle in self.task.obstacles:
             i = obstacle - 1
             hit = alive & (range_[:, i] < RADIUS) & (self.outcome == RUNNING)
@@ -170,7 +171,7 @@ class PointRobot:
 
     action_limit = MAX_TURN
     default_block = NOT_SENSED
-    outcome_names = {GOAL: "exit", HIT: "hit", LOST: "lost", TIMEOUT: "timeout"}
+    outcome_names: ClassVar = {GOAL: "exit", HIT: "hit", LOST: "lost", TIMEOUT: "timeout"}
 
     def layout(self, subtasks: tuple[int, ...]) -> RobotLayout:
         return RobotLayout(subtasks)
