@@ -77,6 +77,9 @@ class Clock(PointRobot):
     def subtasks(self, task: ClockTask) -> tuple[int, ...]:
         return (1,)
 
+    def masked(self, task: ClockTask) -> tuple[int, ...]:
+        return ()
+
     def world(self, task: ClockTask, lanes: int, seed: int) -> ClockWorld:
         return ClockWorld(lanes, self.limit, self.terminates)
 

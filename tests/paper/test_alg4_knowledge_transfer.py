@@ -9,42 +9,11 @@ import pytest
 import torch
 
 from agents.collection import Collector
-from agents.config import PROFILES, VARIANTS, TrainingConfig
-from agents.expert import NavigationExpert
 from agents.knowledge_transfer import knowledge_transfer, run_epoch, update_weights
-from agents.stage import Stage
 from agents.training_state import start_stage
-from tests.agents.point_robot import POINT_ROBOT, RobotTask
+from tests.agents.point_robot import POINT_ROBOT
 from tests.agents.recording import Recording
-
-HYPER = dataclasses.replace(
-    PROFILES["smoke"],
-    hidden=(16, 16),
-    batch_size=16,
-    lanes=8,
-    steps_per_epoch=200,
-    update_after=80,
-    updates_per_lane_step=3,
-    epochs=2,
-    evaluate_every=1,
-    evaluation_episodes=10,
-    alpha_clip=0.25,
-    epsilon_clip=0.25,
-    segment_steps=1,
-)
-
-
-def stage_for(variant: str = "submas", **changes: object) -> Stage:
-    task = RobotTask(frozenset({2}))
-    return Stage(
-        task=task,
-        source=task.mask([1]),
-        guide=NavigationExpert(),
-        domain=POINT_ROBOT,
-        hyper=dataclasses.replace(HYPER, **changes),
-        variant=VARIANTS[variant],
-        config=TrainingConfig(missiles=1, variant=variant, seed=3),  # type: ignore[arg-type]
-    )
+from tests.agents.stages import stage_for
 
 
 def test_lines_1_and_2_start_with_full_weights_and_equal_targets() -> None:
