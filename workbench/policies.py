@@ -132,3 +132,18 @@ def guide_for(config: TrainingConfig, store: RunStore | None = None) -> Policy:
             f"no policy for {task} is shipped to guide a training with {config.missiles}; "
             "choose one with --guide, or train the whole chain with --curriculum"
         ) from error
+
+
+def shipped_success() -> dict[int, float]:
+    """Held-out success rate of the shipped policy for each number of missiles that has one."""
+    from agents.checkpoint import PolicyFileError, load_policy
+
+    rates = {}
+    for name in shipped_policies():
+        try:
+            card = load_policy(asset_path("policies", name + SUFFIX)).card
+        except PolicyFileError:
+            continue
+        if card is not None and card.evaluation is not None:
+            rates[len(card.missiles)] = float(card.evaluation["success_rate"])
+    return rates

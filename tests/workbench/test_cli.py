@@ -46,8 +46,8 @@ MISTAKES = [
     ("train --missiles 1 --guide nobody", "policy 'nobody' is unknown"),
     ("train --missiles 1 --variant dqn", "variant 'dqn' is unknown"),
     ("train --missiles 1 --profile quick", "profile 'quick' is unknown; choose paper, fast, smoke"),
-    ("train --missiles 1 --seeds one", "--seeds 'one' is not a list of seeds"),
-    ("train --missiles 1 --seeds 4-0", "--seeds '4-0' is not a list of seeds"),
+    ("train --missiles 1 --seeds one", "seeds 'one' is not a list of seeds"),
+    ("train --missiles 1 --seeds 4-0", "seeds '4-0' is not a list of seeds"),
     ("train --missiles 1 --seeds 0-99999999999", "is not a list of seeds"),
     ("runs show", "needs a run id"),
     ("runs show ../../etc", "'../../etc' is not a run id"),
@@ -233,10 +233,3 @@ def test_stop_takes_a_queued_run_out_of_the_queue(capsys: pytest.CaptureFixture[
     assert json.loads(capsys.readouterr().out) == {"id": run.id, "state": "stopped", "stop_requested": True}
     assert cli.main(["stop", run.id]) == 1
     assert "is not running: it is stopped" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("text", "seeds"), [("0", [0]), ("0,1,2", [0, 1, 2]), ("0-4", [0, 1, 2, 3, 4]), ("3,0-2,3", [3, 0, 1, 2])]
-)
-def test_seeds(text: str, seeds: list[int]) -> None:
-    assert cli.command("train").parse_seeds(text) == seeds

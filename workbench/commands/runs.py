@@ -74,12 +74,13 @@ def _list(store: RunStore, args: Args) -> None:
 
 
 def _show(store: RunStore, args: Args) -> None:
+    from workbench.stages import summarise
     from workbench.terminal import print_json, print_table
 
     run = store.get(args.run)
     found = facts(run)
     if args.json:
-        stages = [] if run.problem else stage_summaries(run)
+        stages = [] if run.problem else summarise(run.metrics())
         print_json({**found, "stages_learned": stages})
         return
     config = found.pop("config", {})
@@ -103,15 +104,3 @@ def _cell(value: object) -> str:
     from workbench.terminal import printable
 
     return printable("–" if value in (None, "") else str(value))
-
-
-def stage_summaries(run: Run) -> list[dict[str, Any]]:
-    """What each stage of a run has reached: task, best held-out success rate, epochs and working time [s]."""
-    stages: dict[int, dict[str, Any]] = {}
-    for row in run.metrics():
-        fresh = {"task": row["task"], "success_rate": None, "epochs": 0, "wall_s": 0.0}
-        stage = stages.setdefault(row["stage"], fresh)
-        rates = [rate for rate in (stage["success_rate"], row.get("success_rate")) if rate is not None]
-        # The learner's clock starts anew with every stage.
-        stage.update(epochs=row["epoch"], success_rate=max(rates, default=None), wall_s=row.get("wall_s") or 0.0)
-    return [stages[number] for number in sorted(stages)]

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from agents.config import TrainingConfig
     from workbench.runs import Run
 
-SEEDS_LIMIT = 100
-
 
 @dataclass(frozen=True)
 class Args:
@@ -47,6 +45,7 @@ def run(args: Args) -> int:
     from workbench.launcher import drain
     from workbench.policies import guide_for
     from workbench.runs import RunStore
+    from workbench.seeds import parse_seeds
 
     store = RunStore(args.runs)
     configs = [configuration(args, seed) for seed in parse_seeds(args.seeds)]
@@ -58,29 +57,6 @@ def run(args: Args) -> int:
     if interrupted:
         return 130
     return _failures(runs)
-
-
-def parse_seeds(text: str) -> list[int]:
-    """Seeds from `0`, `0,1,2` or `0-4`, each once, in order.
-
-    Raises:
-        UsageError: anything else, a negative seed, or more than SEEDS_LIMIT of them.
-    """
-    from sim.errors import UsageError
-
-    seeds: list[int] = []
-    try:
-        for part in text.split(","):
-            first, dash, last = part.strip().partition("-")
-            low, high = int(first), int(last) if dash else int(first)
-            if not 0 <= low <= high or high - low >= SEEDS_LIMIT:
-                raise ValueError(part)
-            seeds += range(low, high + 1)
-    except ValueError:
-        raise UsageError(f"--seeds '{text[:60]}' is not a list of seeds; write 0 or 0,1,2 or 0-4") from None
-    if len(set(seeds)) > SEEDS_LIMIT:
-        raise UsageError(f"--seeds names {len(set(seeds))} seeds; legal are at most {SEEDS_LIMIT}")
-    return list(dict.fromkeys(seeds))
 
 
 def configuration(args: Args, seed: int) -> TrainingConfig:
@@ -130,14 +106,14 @@ def _report(runs: Sequence[Run], as_json: bool) -> None:
 
 def summary(run: Run) -> dict[str, Any]:
     """One run as JSON: how it ended, what each stage reached, where its policy is."""
-    from workbench.commands.runs import stage_summaries
+    from workbench.stages import summarise
 
     policy = run.policy_path()
     return {
         "id": run.id,
         "seed": run.config.seed,
         "state": run.state.state,
-        "stages": stage_summaries(run),
+        "stages": summarise(run.metrics()),
         "policy": str(policy) if policy else None,
     }
 

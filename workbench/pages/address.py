@@ -1,0 +1,33 @@
+"""The address of a page: its query is what a person can share, and never trusted."""
+
+from __future__ import annotations
+
+from urllib.parse import parse_qsl, urlencode
+
+import panel as pn
+
+
+def read_query() -> dict[str, str]:
+    """Values of the address this session was opened with; the last one where a name occurs twice."""
+    return {name: values[-1].decode(errors="replace") for name, values in pn.state.session_args.items()}
+
+
+def write_query(**values: str) -> None:
+    """Bring the address of this page up to date; an empty value is left out of it."""
+    location = pn.state.location
+    if location is not None:
+        location.search = search({**dict(parse_qsl(location.search.removeprefix("?"))), **values})
+
+
+def go_to(address: str, **values: str) -> None:
+    """Open another page in this tab, in the same colours."""
+    if pn.state.location is None:
+        return
+    theme = dict(parse_qsl(pn.state.location.search.removeprefix("?"))).get("theme", "")
+    pn.state.location.param.update(pathname=address, search=search({**values, "theme": theme}), reload=True)
+
+
+def search(values: dict[str, str]) -> str:
+    """The query part of an address, `?` included; empty values are left out."""
+    kept = {name: value for name, value in values.items() if value}
+    return f"?{urlencode(kept)}" if kept else ""
