@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import ConsoleMessage, Page
+from playwright.sync_api import ConsoleMessage, Page, expect
 
 from tests.conftest import Served
 from workbench.chromium import MISSING, find_chromium, headless_flags
@@ -65,7 +65,8 @@ def _note_failure(found: list[str], request: Any) -> None:
 
 @pytest.fixture
 def visitor(page: Page, served: Served, complaints: list[str]) -> Page:
-    """A page that has followed the printed link; tests go on with `visitor.goto(served.address + "/runs")`."""
+    """A page that has been let in; tests go on with `visitor.goto(served.address + "/runs")`."""
     page.set_default_timeout(PATIENCE_MS)
-    page.goto(served.link)
+    expect.set_options(timeout=PATIENCE_MS)
+    page.goto(f"{served.address}/healthz?token={served.token}")
     return page

@@ -11,6 +11,8 @@ PAGES = ["fly", "curriculum", "live", "runs"]
 
 
 def test_the_link_leads_to_the_first_page_without_the_token(visitor: Page, served: Served) -> None:
+    visitor.context.clear_cookies()
+    visitor.goto(served.link)
     expect(visitor).to_have_title("Fly · SubMas workbench")
     assert visitor.url.startswith(f"{served.address}/fly")
     assert served.token not in visitor.url
@@ -23,7 +25,8 @@ def test_every_page_opens(visitor: Page, served: Served, name: str) -> None:
     expect(visitor.get_by_text("cannot be shown")).to_have_count(0)
 
 
-def test_the_navigation_and_the_colours_go_along(visitor: Page) -> None:
+def test_the_navigation_and_the_colours_go_along(visitor: Page, served: Served) -> None:
+    visitor.goto(f"{served.address}/live")
     visitor.get_by_role("button", name="Toggle theme").click()
     link = visitor.get_by_role("link", name="Runs", exact=True)
     expect(link).to_have_attribute("href", "/runs?theme=default")
@@ -38,7 +41,7 @@ def test_a_stranger_is_told_what_to_do(page: Page, served: Served) -> None:
 
 
 def test_a_page_of_another_site_gets_nothing(page: Page, served: Served) -> None:
-    page.goto(served.link)  # the cookie is there
+    page.goto(f"{served.address}/healthz?token={served.token}")  # the cookie is there
     page.goto(served.address.replace("127.0.0.1", "localhost") + "/healthz")  # another site on the same machine
     script = """async (address) => {
         const read = await fetch(address + "/healthz", {credentials: "include"}).then(() => "read", () => "refused")
