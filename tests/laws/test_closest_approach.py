@@ -1,0 +1,72 @@
+"""A kill does not depend on the substep: halving it changes no pass that the fuse could see by a tenth of a metre."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sim.trajectory import MissileTrack, fly
+from sim.world import Fate, Outcome, World
+from tests.engagements import Policy, changed, fly_lanes, straight, task, to_exit
+
+NEAR = {"interceptor_x_low_m": -18e3, "interceptor_x_high_m": -10e3, "y_spread_m": 6e3}
+GEOMETRIES = {
+    "head-on": NEAR,
+    "crossing": NEAR | {"heading_spread_rad": 1.2},
+    "high and low": NEAR | {"altitude_spread_m": 3e3},
+}
+
+
+def passes(substeps: int, act: Policy, **start: float) -> list[MissileTrack]:
+    """The first missile alone, in the zone from the start and never armed: its passes below 50 m."""
+    scenario = changed(start=start, rules={"substeps": substeps}, missile={"arm_s": 30.0}, launch={"range_m": 60e3})
+    flown = [fly(task(2, 3, 4, scenario=scenario), act, "test", seed=31, episode=e).missiles[0] for e in range(12)]
+    return [missile for missile in flown if missile.closest_m < 50.0]
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_halving_the_substep_moves_a_pass_by_less_than_a_tenth_of_a_metre(geometry: str) -> None:
+    coarse, fine = (passes(n, straight, **GEOMETRIES[geometry]) for n in (20, 40))
+    assert len(coarse) >= 6
+    for a, b in zip(coarse, fine, strict=True):
+        assert abs(a.closest_m - b.closest_m) < 0.1
+
+
+def test_sampled_distances_would_not_do() -> None:
+    # The negative control: between two records the missile is often metres nearer than at either.
+    gaps = [np.nanmin(missile.range_m) - missile.closest_m for missile in passes(20, straight, **NEAR)]
+    assert max(gaps) > 5.0
+
+
+@pytest.mark.parametrize("substeps", [10, 40])
+def test_who_is_shot_down_does_not_depend_on_the_substep(substeps: int) -> None:
+    twenty = fly_lanes(World(task(2, 3, 4), 64, seed=4), to_exit)
+    others = fly_lanes(World(task(2, 3, 4, scenario=changed(rules={"substeps": substeps})), 64, seed=4), to_exit)
+    assert (twenty.outcome == others.outcome).mean() > 0.98
+    assert (twenty.outcome == Outcome.SHOT_DOWN).any()
+
+
+def test_a_missile_that_falls_short_falls_short_by_the_same_within_two_percent() -> None:
+    # What halving does change is the instant of launch (by a substep) and the integration of a long flight.
+    shifts = []
+    for episode in range(8):
+        pair = []
+        for substeps in (20, 40):
+            scenario = changed(rules={"substeps": substeps}, missile={"cd0": 1.5})
+            pair.append(fly(task(2, 3, 4, scenario=scenario), straight, "test", seed=8, episode=episode).missiles[0])
+        if pair[0].fate is pair[1].fate is Fate.EVADED:
+            shifts.append(abs(pair[0].closest_m - pair[1].closest_m) / pair[1].closest_m)
+    assert len(shifts) >= 4
+    assert max(shifts) < 0.02
+
+
+@pytest.mark.parametrize("burn_s", [8.0, 8.02, 7.77])
+def test_the_motors_impulse_does_not_depend_on_the_substep(burn_s: float) -> None:
+    # Whole substeps of thrust would round the burn up: at 20 substeps 8.02 s would burn 8.05 s.
+    speeds = []
+    for substeps in (20, 40, 80):
+        scenario = changed(rules={"substeps": substeps}, missile={"burn_s": burn_s, "fuse_m": 0.5})
+        missile = fly(task(2, 3, 4, scenario=scenario), straight, "test", seed=8).missiles[0]
+        speeds.append(np.nanmax(missile.speed_m_s))
+    # One extra substep of 0.05 s would be worth 10 kN / 110 kg x 0.05 s = 4.5 m/s.
+    assert np.ptp(speeds) < 1.0
