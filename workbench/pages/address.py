@@ -21,10 +21,13 @@ def write_query(**values: str) -> None:
 
 def go_to(address: str, **values: str) -> None:
     """Open another page in this tab, in the same colours."""
-    if pn.state.location is None:
+    location = pn.state.location
+    if location is None:
         return
-    theme = dict(parse_qsl(pn.state.location.search.removeprefix("?"))).get("theme", "")
-    pn.state.location.param.update(pathname=address, search=search({**values, "theme": theme}), reload=True)
+    theme = dict(parse_qsl(location.search.removeprefix("?"))).get("theme", "")
+    # In this order: the browser leaves as soon as it hears of the new path.
+    location.search = search({**values, "theme": theme})
+    location.param.update(pathname=address, reload=True)
 
 
 def search(values: dict[str, str]) -> str:

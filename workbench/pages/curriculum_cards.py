@@ -23,7 +23,7 @@ p b { font-weight: 650 }
 .chip small { display: block; font-weight: 400; font-size: 11px; opacity: .75 }
 .gone { background: none; border-style: dashed; opacity: .5; text-decoration: line-through; font-weight: 400 }
 .op { align-self: center; opacity: .6; margin: 0 -3px }
-sub, sup { font-size: .72em; line-height: 0 }
+sub, sup { font-size: .72em; line-height: 0; margin-left: 1px }
 .name { font-size: 21px; font-weight: 700; line-height: 1.2 }
 .sub { opacity: .78; font-size: 13.5px }
 code { font: 13px ui-monospace, monospace; background: color-mix(in srgb, currentColor 10%, transparent);

@@ -29,9 +29,9 @@ VARIANTS = {
 }
 """Table 3's variants and the baseline, as a person reads them."""
 PROFILES = {
-    "fast: minutes per stage": "fast",
-    "paper: Table 2 exactly, hours": "paper",
-    "smoke: seconds, learns nothing": "smoke",
+    "fast: minutes a stage": "fast",
+    "paper: Table 2, hours": "paper",
+    "smoke: seconds, to try": "smoke",
 }
 NATURAL = "the next easier task's (default)"
 

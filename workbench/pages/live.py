@@ -71,6 +71,7 @@ class LivePage:
         self._progress = pmui.LinearProgress(value=0, sizing_mode="stretch_width", margin=0, height=8)
         self._alert = pmui.Alert(object="", visible=False, severity="warning", margin=0, sizing_mode="stretch_width")
         self._curves = LiveCurves()
+        self._waiting = pn.pane.HTML("The curves begin with the first finished epoch.", stylesheets=[LIVE_CSS], margin=0)
 
     def _pane(self) -> pn.pane.HTML:
         return pn.pane.HTML("", stylesheets=[LIVE_CSS], sizing_mode="stretch_width", margin=0)
@@ -79,7 +80,7 @@ class LivePage:
         self._run_views = pn.Column(
             _panel(self._html["head"], self._progress, self._html["stages"], self._html["numbers"]),
             pn.FlexBox(
-                pmui.Column(_panel(self._curves.layout), margin=0, styles={"flex": "1 1 700px", "min-width": "0"}),
+                pmui.Column(_panel(self._waiting, self._curves.layout), margin=0, styles={"flex": "1 1 700px", "min-width": "0"}),
                 pmui.Column(_panel(self._events), margin=0, styles={"flex": "1 1 260px", "min-width": "0"}),
                 gap="12px", sizing_mode="stretch_width", margin=0,
             ),
@@ -155,6 +156,8 @@ class LivePage:
         self._events.object = event_list(watch.events)
         self._progress.value = round(100 * state.progress)
         self._curves.show(watch.rows)
+        self._curves.layout.visible = bool(watch.rows)
+        self._waiting.visible = not watch.rows
         self._update_buttons(watch.run, state)
         if watch.problem:
             self._complain(f"Not all of this run can be shown: {watch.problem}.")

@@ -1,0 +1,364 @@
+"""Curriculum, Live and Runs without a browser: what they show and launch, and that runs hold no markup."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import panel as pn
+import pytest
+
+from agents.config import TrainingConfig
+from sim.errors import UsageError
+from sim.scenario import load_scenario
+from sim.task import Task, task_for
+from workbench import launcher
+from workbench.context import AppContext
+from workbench.estimate import TYPICAL_EPOCH_S, estimate
+from workbench.pages import curriculum_launch, live, runs
+from workbench.pages.address import search
+from workbench.pages.curriculum import CurriculumPage
+from workbench.pages.curriculum_cards import observation_card, reward_card, task_card
+from workbench.pages.curriculum_launch import CHAIN, STAGE, LaunchForm
+from workbench.pages.live import LivePage, stage_tasks
+from workbench.pages.live_cards import event_list, head, number_cards, stage_cards
+from workbench.pages.live_watch import RunWatch
+from workbench.pages.runs import RunsPage
+from workbench.pages.runs_table import describe, runs_frame
+from workbench.run_files import append_line
+from workbench.run_state import RunState
+from workbench.runs import Run, RunStore
+
+pytestmark = pytest.mark.filterwarnings("ignore:The inplace keyword")  # Bokeh 3.9 under pandas 3.1
+
+HOSTILE = "<img src=x onerror=alert(1)>"
+ROW = {
+    "stage": 1, "stages": 4, "task": "source-2", "missiles": [1, 2], "epoch": 3, "epochs": 100, "alpha": 0.91,
+    "epsilon": 0.74, "beta": 0.1, "success_rate": 0.5, "return_mean": 12.0, "train_success_rate": 0.4,
+    "train_return_mean": 9.0, "transfer_share": 0.66, "critic_loss": 0.01, "actor_loss": -0.2, "q_mean": -3.0,
+    "updates_per_s": 321.0, "env_steps_per_s": 5000.0, "wall_s": 9.0, "eta_s": 60.0,
+}  # fmt: skip
+
+
+@pytest.fixture
+def app(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AppContext:
+    """Pages of an empty runs folder; nothing that is launched starts a process."""
+    pn.extension("tabulator", notifications=True)
+    monkeypatch.setattr(launcher, "cpu_count", lambda: 2)
+    for module in (curriculum_launch, live, runs):
+        monkeypatch.setattr(module, "drain", lambda store: [])
+    return AppContext.of(tmp_path / "runs")
+
+
+@pytest.fixture
+def form(app: AppContext) -> tuple[LaunchForm, list[Run]]:
+    launched: list[Run] = []
+    return LaunchForm(app.store, {}, launched.extend), launched
+
+
+# Curriculum
+
+
+@pytest.mark.parametrize(
+    ("mask", "title", "sizes"),
+    [("", "Target task", "15 of 15"), ("4", "Source task 1", "13 of 15"), ("2,3,4", "Source task 3", "9 of 15"),
+     ("1,2,3,4", "Source task 4", "7 of 15"), ("1", "Missiles 2, 3, 4", "13 of 15"), ("1,2,3", "Missile 4", "9 of 15")],
+)  # fmt: skip
+def test_the_cards_follow_the_mask(mask: str, title: str, sizes: str) -> None:
+    task = task_for(mask=mask)
+    assert title in task_card(task)
+    assert sizes in observation_card(task)
+    masked = len(task.masked)
+    assert observation_card(task).count("chip gone") == 2 * masked
+    assert reward_card(task).count("chip gone") == masked
+
+
+def test_the_reward_card_shows_the_scenarios_numbers() -> None:
+    shown = reward_card(Task(load_scenario()))
+    for number in ("+400 exit", "−400 outside", "+50 or −400", "−0.1 a step"):
+        assert number in shown
+
+
+def test_clicking_a_missile_changes_everything_at_once(app: AppContext) -> None:
+    page = CurriculumPage(app)
+    page._pictures.masked = [4]
+    assert "Source task 1" in page._cards["task"].object
+    assert "13 of 15" in page._cards["observation"].object
+    chosen = [
+        mask for mask, width in zip(page._nodes.data["mask"], page._nodes.data["ring_width"], strict=True) if width > 2
+    ]
+    assert chosen == ["4"]
+
+
+def test_tapping_a_task_of_the_lattice_masks_the_missiles(app: AppContext) -> None:
+    page = CurriculumPage(app)
+    page._nodes.selected.indices = [page._nodes.data["mask"].index("1,3")]
+    assert page._pictures.masked == [1, 3]
+    assert page._nodes.selected.indices == []
+
+
+def test_the_whole_chain_is_one_run_per_seed(form: tuple[LaunchForm, list[Run]], app: AppContext) -> None:
+    launch, launched = form
+    launch.show(task_for())
+    launch.widgets["seeds"].value = "0-2"
+    assert launch.widgets["what"].value == CHAIN
+    launch._launch(None)
+    assert [run.config.seed for run in launched] == [0, 1, 2]
+    assert {(run.config.curriculum, run.config.missiles) for run in launched} == {(True, 4)}
+    assert len(app.store.list()) == 3
+
+
+def test_a_second_click_launches_nothing(form: tuple[LaunchForm, list[Run]]) -> None:
+    launch, launched = form
+    launch.show(task_for())
+    launch._launch(None)
+    launch._launch(None)
+    assert len(launched) == 1
+
+
+def test_a_stage_is_the_task_that_is_shown(form: tuple[LaunchForm, list[Run]]) -> None:
+    launch, _ = form
+    launch.widgets["what"].value = STAGE
+    launch.show(task_for(mask="2,3,4"))
+    assert launch.configurations()[0] == TrainingConfig(missiles=1)
+
+
+@pytest.mark.parametrize(
+    ("mask", "sentence"),
+    [("1,2,3,4", "unmask missile 1"), ("1", "leave missiles 1, 2, 3"), ("2", "leave missiles 1, 2, 3")],
+)
+def test_a_task_off_the_chain_says_what_to_do(mask: str, sentence: str, form: tuple[LaunchForm, list[Run]]) -> None:
+    launch, launched = form
+    launch.widgets["what"].value = STAGE
+    launch.show(task_for(mask=mask))
+    with pytest.raises(UsageError, match=sentence):
+        launch.configurations()
+    assert launch._button.disabled
+    launch._launch(None)
+    assert launched == []
+
+
+@pytest.mark.parametrize(("name", "value"), [("seeds", "x"), ("seeds", HOSTILE), ("name", "a\nb")])
+def test_a_wrong_value_is_a_sentence_and_no_launch(name: str, value: str, form: tuple[LaunchForm, list[Run]]) -> None:
+    launch, _ = form
+    launch.show(task_for())
+    launch.widgets[name].value = value
+    assert launch._button.disabled
+    assert "Not yet" in launch._summary.object
+    assert "<img" not in launch._summary.object
+
+
+def test_values_of_the_address_are_taken_only_when_they_are_legal(app: AppContext) -> None:
+    query = {"variant": "wo-pd", "profile": "rm -rf /", "guide": "../../etc/passwd", "what": "stage"}
+    form = LaunchForm(app.store, query, lambda runs: None)
+    chosen = {name: form.widgets[name].value for name in ("variant", "profile", "guide", "what")}
+    assert chosen == {"variant": "wo-pd", "profile": "fast", "guide": "", "what": STAGE}
+
+
+def test_the_form_offers_what_the_configuration_takes() -> None:
+    from agents.config import PROFILES, VARIANTS
+
+    assert set(curriculum_launch.VARIANTS.values()) == set(VARIANTS)
+    assert set(curriculum_launch.PROFILES.values()) == set(PROFILES) == set(TYPICAL_EPOCH_S)
+
+
+def test_the_estimate_takes_the_speed_of_earlier_runs(app: AppContext) -> None:
+    config = TrainingConfig(profile="smoke", curriculum=True)
+    epochs = config.hyperparameters.epochs
+    typical = estimate(config, 1, app.store.list())
+    assert typical.at_most_s == 4 * epochs * TYPICAL_EPOCH_S["smoke"]
+    run = app.store.create(config)
+    append_line(run.path / "metrics.jsonl", {"epoch": 2, "wall_s": 10.0})
+    measured = estimate(config, 3, app.store.list())
+    # Three seeds on two cores are two rounds of four stages at five seconds an epoch.
+    assert measured.at_most_s == 2 * 4 * epochs * 5.0
+    assert measured.measured_runs == 1
+
+
+def test_addresses_are_quoted() -> None:
+    assert search({"run": "a&b=<c>", "theme": ""}) == "?run=a%26b%3D%3Cc%3E"
+    assert search({}) == ""
+
+
+# Live
+
+
+def test_no_run_yet_is_said(app: AppContext) -> None:
+    page = LivePage(app)
+    assert "No run yet" in page._alert.object
+    assert not page._run_views.visible
+
+
+def _learning(app: AppContext, **config: object) -> Run:
+    run = app.store.create(TrainingConfig.from_json({"curriculum": True, **config}))
+    append_line(run.path / "metrics.jsonl", {**ROW, "stage": 0, "task": "source-3", "success_rate": 1.0})
+    append_line(run.path / "metrics.jsonl", ROW)
+    append_line(run.path / "events.jsonl", {"kind": "best", "wall_s": 75.0, "text": f"better {HOSTILE}"})
+    run.write_state(RunState("running", stage=1, stages=4, progress=0.3, eta_s=60.0, wall_s=80.0))
+    return run
+
+
+def test_a_run_is_shown_as_it_learns(app: AppContext) -> None:
+    run = _learning(app)
+    lock = run.claim()
+    page = LivePage(app)
+    assert page._picker.value == run.id
+    assert "stage 2 of 4 · source-2 · epoch 3 of at most 100" in page._html["head"].object
+    assert "1:20 worked, at most 1:00 left" in page._html["head"].object
+    assert page._html["stages"].object.count('class="stage ') == 4
+    assert "100.0 %" in page._html["stages"].object
+    assert "0.910" in page._html["numbers"].object
+    assert page._progress.value == 30
+    append_line(run.path / "metrics.jsonl", {**ROW, "epoch": 4})
+    page._tick()
+    assert "epoch 4 of" in page._html["head"].object
+    os.close(lock or 0)
+    page._tick()
+    assert "interrupted" in page._html["head"].object
+
+
+def test_nothing_is_drawn_again_while_nothing_changes(app: AppContext, monkeypatch: pytest.MonkeyPatch) -> None:
+    _learning(app)
+    page = LivePage(app)
+    monkeypatch.setattr(page, "_show", _never)
+    for _ in range(20):
+        page._tick()
+
+
+def _never(_: object) -> None:
+    raise AssertionError("drawn again")
+
+
+def test_stop_asks_first_and_then_stops(app: AppContext) -> None:
+    run = _learning(app)
+    lock = run.claim()
+    page = LivePage(app)
+    page._ask(None)
+    assert page._dialog.open
+    assert not run.stop_requested()
+    page._confirmed(None)
+    assert run.stop_requested()
+    assert not page._dialog.open
+    assert page._stop.disabled
+    os.close(lock or 0)
+
+
+def test_damaged_metrics_are_said_and_the_rest_is_shown(app: AppContext) -> None:
+    run = _learning(app)
+    with (run.path / "metrics.jsonl").open("a") as file:
+        file.write("{}\n")
+    page = LivePage(app)
+    assert "Not all of this run can be shown: metrics.jsonl has a row without" in page._alert.object
+
+
+def test_a_watch_reads_every_row_once(app: AppContext) -> None:
+    run = _learning(app)
+    watch = RunWatch(run)
+    assert watch.look()
+    assert not watch.look()
+    append_line(run.path / "metrics.jsonl", {**ROW, "epoch": 4})
+    assert watch.look()
+    assert [row["epoch"] for row in watch.rows] == [3, 3, 4]
+
+
+def test_tasks_of_a_training_in_order() -> None:
+    assert stage_tasks(TrainingConfig(curriculum=True)) == ["source-3", "source-2", "source-1", "target"]
+    assert stage_tasks(TrainingConfig(missiles=2)) == ["source-2"]
+
+
+def test_nothing_a_run_says_is_markup() -> None:
+    # S9: the texts of run folders are data.
+    state = RunState("failed", error=HOSTILE, task=HOSTILE)
+    row = {**ROW, "task": HOSTILE, "alpha": HOSTILE}
+    learned = [{"task": HOSTILE, "success_rate": 1.0, "epochs": 1, "wall_s": 1.0}]
+    events = [{"kind": HOSTILE, "text": HOSTILE, "wall_s": HOSTILE}]
+    shown = head(state, row) + stage_cards([HOSTILE, HOSTILE], learned, state) + number_cards(row) + event_list(events)
+    assert "<img" not in shown
+    assert "&lt;img" in shown
+
+
+# Runs
+
+
+def test_every_run_is_a_row_also_the_damaged_ones(app: AppContext) -> None:
+    good = app.store.create(TrainingConfig(name=HOSTILE, seed=7))
+    bad = app.store.create(TrainingConfig())
+    (bad.path / "config.json").write_text("{")
+    frame = runs_frame(app.store.list()).set_index("run")
+    assert frame.loc[good.id, "name"] == HOSTILE
+    assert frame.loc[good.id, "seed"] == "7"
+    assert frame.loc[bad.id, "state"] == "✗ unreadable"
+    assert "config.json is not JSON" in frame.loc[bad.id, "training"]
+
+
+@pytest.fixture
+def table(app: AppContext) -> Callable[[], RunsPage]:
+    return lambda: RunsPage(app)
+
+
+def test_the_chosen_run_can_be_opened(app: AppContext, table: Callable[[], RunsPage]) -> None:
+    run = app.store.create(TrainingConfig(name=HOSTILE))
+    page = table()
+    assert not page._actions.visible
+    page._table.selection = [0]
+    assert page._actions.visible
+    assert page._open.href == f"/live?run={run.id}"
+    assert page._fly.disabled
+    assert "<img" not in page._detail.object
+    page._ask(None)
+    assert "<img" not in page._question.object
+
+
+def test_a_run_that_changes_is_patched_in_place(app: AppContext, table: Callable[[], RunsPage]) -> None:
+    run = app.store.create(TrainingConfig())
+    page = table()
+    before = page._table.value
+    run.write_state(dataclasses.replace(run.state, state="finished", progress=1.0, best_success_rate=0.98))
+    page._tick()
+    assert page._table.value is before
+    assert dict(page._table.value.iloc[0][["state", "progress", "success"]]) == {
+        "state": "✓ finished",
+        "progress": 100,
+        "success": 98.0,
+    }
+
+
+def test_new_runs_appear_and_the_choice_stays(app: AppContext, table: Callable[[], RunsPage]) -> None:
+    first = app.store.create(TrainingConfig())
+    page = table()
+    page._table.selection = [0]
+    app.store.create(TrainingConfig())
+    page._tick()
+    assert len(page._table.value) == 2
+    assert page._chosen is not None
+    assert page._chosen.id == first.id
+
+
+def test_deleting_asks_first_and_moves_to_the_trash(app: AppContext, table: Callable[[], RunsPage]) -> None:
+    run = app.store.create(TrainingConfig())
+    page = table()
+    page._table.selection = [0]
+    page._ask(None)
+    assert app.store.list()
+    page._confirmed(None)
+    assert app.store.list() == []
+    assert (app.store.root / ".trash" / run.id).is_dir()
+    assert not page._actions.visible
+
+
+def test_a_running_run_is_not_deleted(app: AppContext, table: Callable[[], RunsPage]) -> None:
+    run = _learning(app)
+    lock = run.claim()
+    page = table()
+    page._table.selection = [0]
+    assert page._delete.disabled
+    os.close(lock or 0)
+
+
+def test_a_damaged_run_is_described_by_its_problem(app: AppContext) -> None:
+    run = app.store.create(TrainingConfig())
+    (run.path / "state.json").write_text("")
+    damaged = RunStore(app.store.root).list()[0]
+    assert dict(describe(damaged))["Problem"].startswith("state.json is not JSON")
