@@ -139,6 +139,7 @@ def build(context: AppContext, guard: Guard, port: int) -> Server:
             title={name: f"{title} · {TITLE}" for name, title in PAGES.items()},
             websocket_origin=["*"],  # the guard compares origin and host on any port; Bokeh could only know fixed ones
             use_index=False,
+            check_unused_sessions_milliseconds=5000,  # a page that was left stops its clock and scene soon
             extra_patterns=[
                 *file_routes(context.recordings.folder),
                 *viser_routes(context.viser),
