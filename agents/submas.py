@@ -20,20 +20,25 @@ LearnStage = Callable[[int, Any, Any, Policy], Policy]
 """(stage number, task 𝒯_k, source task 𝒯_i, guide μ_i) -> trained policy μ_k."""
 
 
-def submas(curriculum: Curriculum, expert: Policy, learn_stage: LearnStage) -> Policy:
+def submas(
+    curriculum: Curriculum, expert: Policy, learn_stage: LearnStage, stopped: Callable[[], bool] = lambda: False
+) -> Policy:
     """Train along the chain, each policy guiding the next: Algorithm 5, §3.4.
 
     Args:
         curriculum: the chain of tasks, made by Algorithm 3.
         expert: policy of the easiest task, μ_n.
         learn_stage: Algorithm 4 for one pair of adjacent tasks.
+        stopped: asked after every stage; True leaves the rest of the chain out.
 
     Returns:
-        Policy of the target task.
+        Policy of the target task, or of the last stage that was trained.
     """
     policy = expert
     for number, (i, k) in enumerate(reversed(curriculum.edges)):
         policy = learn_stage(number, curriculum.tasks[k], curriculum.tasks[i], policy)
+        if stopped():
+            break
     return policy
 
 
@@ -84,7 +89,11 @@ def train(
         return learn_stage(0, target, source_of(target, subtasks, guide), guide)
     # The last missile is the hardest: it adds to all others. It is masked first and met last (Fig. 3).
     ordered = tuple(reversed(subtasks))
-    return learn_with_curriculum(target, ordered, lambda chain: submas(chain, guide, learn_stage))
+
+    def learn(chain: Curriculum) -> Policy:
+        return submas(chain, guide, learn_stage, recorder.should_stop)
+
+    return learn_with_curriculum(target, ordered, learn)
 
 
 def source_of(task: SubtaskTask, subtasks: Sequence[int], guide: Policy) -> Any:
