@@ -20,7 +20,10 @@ BLOCK = len(UNLAUNCHED)
 
 @dataclass(frozen=True)
 class ObservationLayout:
-    """Which missiles an observation describes, in ascending order (Table 1)."""
+    """Which missiles an observation describes, in ascending order (Table 1).
+
+    Eq. (5): against the layout of a source task its columns fall into shared and masked ones.
+    """
 
     missiles: tuple[int, ...]
 

@@ -9,7 +9,7 @@ from sim.scenario import Scenario
 
 
 def initial_states(scenario: Scenario, seed: int, episodes: NDArray[np.integer]) -> NDArray[np.float32]:
-    """Initial states `[n, 10 + M]` of numbered episodes.
+    """Initial states `[n, 10 + M]` of numbered episodes; no mask is asked for, so every task has the same, Eq. (7).
 
     Columns are x, y, altitude [m], heading [rad] and speed [m/s] of the evader, the same of the interceptor, then the
     factor on the launch range of missiles 1..M.

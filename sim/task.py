@@ -14,8 +14,8 @@ from sim.scenario import Scenario, load_scenario
 class Task:
     """The engagement of a scenario in which the interceptor carries only the unmasked missiles.
 
-    Masking a missile removes it from the observation and from the reward and leaves everything else alone: initial
-    states (Eq. 7) and the motion of what remains (Eq. 8) are those of the target task.
+    Definition 1: masking a missile removes it from the observation and from the reward and leaves everything else
+    alone: initial states (Eq. 7) and the motion of what remains (Eq. 8) are those of the target task.
     """
 
     scenario: Scenario

@@ -62,6 +62,9 @@ class Step:
 class World:
     """L lanes of a task. `reset` starts lanes, `step` moves all that still fly; ended lanes stay as they are.
 
+    All missiles are part of every world; a masked one is never fired. So what tasks share moves alike, Eq. (8), until
+    the missile that one of them lacks leaves the interceptor.
+
     Args:
         task: what flies, and which missiles are masked.
         lanes: number of engagements L stepped together.

@@ -9,7 +9,7 @@ from bokeh.models import Span
 from agents.expert import DraggingExpert
 from agents.policy import bind
 from layouts.azimuth import azimuth_chart, azimuth_columns
-from sim.trajectory import fly
+from sim.trajectory import Trajectory, fly
 from tests.engagements import task
 
 EXPERT = DraggingExpert()
@@ -17,7 +17,7 @@ FLIGHTS = [fly(task(), bind(EXPERT, task()), EXPERT.name, seed=9, episode=e) for
 
 
 @pytest.mark.parametrize("flight", FLIGHTS, ids=lambda flight: f"episode {flight.episode}")
-def test_the_curves_are_what_the_policy_saw(flight: object) -> None:
+def test_the_curves_are_what_the_policy_saw(flight: Trajectory) -> None:
     columns = azimuth_columns(flight)
     for missile in flight.missiles:
         drawn = columns[f"missile_{missile.number}_deg"]
@@ -31,7 +31,7 @@ def test_the_curves_are_what_the_policy_saw(flight: object) -> None:
 
 
 @pytest.mark.parametrize("flight", FLIGHTS, ids=lambda flight: f"episode {flight.episode}")
-def test_a_missile_has_a_curve_while_it_flies_and_none_before(flight: object) -> None:
+def test_a_missile_has_a_curve_while_it_flies_and_none_before(flight: Trajectory) -> None:
     columns = azimuth_columns(flight)
     for missile in flight.missiles:
         drawn = np.isfinite(columns[f"missile_{missile.number}_deg"])
