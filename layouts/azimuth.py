@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 from bokeh.models import FixedTicker, Range1d
+from numpy.typing import NDArray
 
 from layouts.chart import Columns, FlightChart, Marks, add_csv, add_lines, chart, dotted, empty, thin_index
 from layouts.theme import missile_colour
-from sim.trajectory import Trajectory
+from sim.trajectory import MissileTrack, Trajectory
 from sim.world import Fate
 
 HALF_TURN_DEG = 180.0
@@ -21,8 +22,16 @@ def azimuth_columns(trajectory: Trajectory) -> Columns:
     index = thin_index(len(trajectory.time_s))
     columns: Columns = {"time_s": trajectory.time_s[index]}
     for track in trajectory.missiles:
-        columns[f"missile_{track.number}_deg"] = np.degrees(track.azimuth_rad[index])
+        columns[f"missile_{track.number}_deg"] = np.degrees(_seen(track)[index])
     return wrap_gaps(columns)
+
+
+def _seen(track: MissileTrack) -> NDArray[np.float64]:
+    """Azimuth without the last instant of a hit, in which the missile passes the evader and the angle jumps."""
+    seen = track.azimuth_rad.copy()
+    if track.fate == Fate.HIT:
+        seen[np.flatnonzero(np.isfinite(seen))[-1:]] = np.nan
+    return seen
 
 
 def wrap_gaps(columns: Columns) -> Columns:
@@ -61,10 +70,9 @@ def end_columns(trajectory: Trajectory) -> Marks:
     """Where each missile's curve ends: one row per missile that was evaded or hit."""
     rows = []
     for track in trajectory.missiles:
-        flown = np.flatnonzero(np.isfinite(track.azimuth_rad))
+        flown = np.flatnonzero(np.isfinite(_seen(track)))
         if flown.size and track.fate in (Fate.EVADED, Fate.HIT):
-            # A hit passes the evader within its last instant, and with it the angle jumps.
-            last, marker = (flown[-2:][0], "x") if track.fate == Fate.HIT else (flown[-1], "circle")
+            last, marker = flown[-1], "x" if track.fate == Fate.HIT else "circle"
             angle = float(np.degrees(track.azimuth_rad[last]))
             rows.append((float(trajectory.time_s[last]), angle, track.number, marker, missile_colour(track.number)))
     return {name: [row[i] for row in rows] for i, name in enumerate(END_COLUMNS)}

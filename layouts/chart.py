@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomAction, CustomJS, HoverTool, Legend, Range1d, Span
+from bokeh.models import ColumnDataSource, CustomAction, CustomJS, HoverTool, Legend, Range1d, Span, Title
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
@@ -81,7 +81,7 @@ class FlightChart:
         self.source.data = {name: columns.get(name, nothing) for name in self.source.column_names}
         if self.ends is not None and self.mark_ends is not None:
             self.ends.data = self.mark_ends(flight)
-        if title is not None:
+        if title is not None and isinstance(self.figure.title, Title):
             self.figure.title.text = title
         for item in self.figure.legend[0].items if self.figure.legend else []:
             item.visible = item.renderers[0].name in columns

@@ -8,10 +8,10 @@ import numpy as np
 from bokeh.models import Range1d
 
 from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, thin_index
-from layouts.theme import NEUTRAL, SUCCESS, missile_colour
+from layouts.theme import NEUTRAL, missile_colour
 from sim.trajectory import Trajectory
 
-TIME_INK = "#b08968"
+GOAL_INK, TIME_INK = "#b5623c", "#8c8f1f"
 
 
 def reward_columns(trajectory: Trajectory) -> Columns:
@@ -33,7 +33,7 @@ def reward_chart(
     missiles: Sequence[int], height: int = 240, x_range: Range1d | None = None, y_range: Range1d | None = None
 ) -> FlightChart:
     """Cumulative reward terms and their total, the episode return, over time [s]."""
-    lines = [("total", "return", NEUTRAL), ("goal", "goal", SUCCESS), ("time", "time", TIME_INK)]
+    lines = [("total", "return", NEUTRAL), ("goal", "goal", GOAL_INK), ("time", "time", TIME_INK)]
     lines += [(f"missile_{m}", f"missile {m}", missile_colour(m)) for m in missiles]
     source = empty(["time_s", *(line[0] for line in lines)])
     fig = chart("cumulative reward", height, x_range, y_range)

@@ -40,6 +40,7 @@ PATH_POINTS = 500
 AIRCRAFT_KM = 10.0
 MISSILE_KM = 8.0
 GRID_KM = 20.0
+GATE_RUNGS = 7
 BURST = (255, 150, 60)
 
 
@@ -148,19 +149,9 @@ def add_battlefield(server: viser.ViserServer, name: str, field: Battlefield, lo
     _lines(server, f"{name}/border", segments(corners[[0, 1, 2, 3, 0]]), look.border, 2.0, offset_km)
     low, high = ((field.exit_y_m + side * field.exit_half_width_m) * KM for side in (-1, 1))
     top = 9.0 * EXAGGERATION
-    wall = np.array([(half[0], low, 0), (half[0], high, 0), (half[0], high, top), (half[0], low, top)])
-    scene.add_mesh_simple(
-        f"{name}/gate",
-        wall,
-        faces,
-        color=rgb(GATE),
-        opacity=0.28,
-        side="double",
-        cast_shadow=False,
-        receive_shadow=False,
-        **place,
-    )
-    _lines(server, f"{name}/posts", segments(wall[[0, 3, 2, 1, 0]]), scene_ink(GATE, look), 2.5, offset_km)
+    rungs = [((half[0], low, z), (half[0], high, z)) for z in np.linspace(0.0, top, GATE_RUNGS)]
+    posts = [((half[0], y, 0.0), (half[0], y, top)) for y in (low, high)]
+    _lines(server, f"{name}/gate", np.array(rungs + posts), scene_ink(GATE, look), 2.5, offset_km)
 
 
 def _add_flight(
@@ -204,9 +195,9 @@ def _add_body(
 ) -> Body:
     whole = path.position_km[:: max(1, len(path.position_km) // PATH_POINTS)]
     nowhere = np.zeros(3)
-    _lines(server, f"{name}_path", segments(whole), blend(ink, look.field, 0.5), 1.8, nowhere)
+    _lines(server, f"{name}_path", segments(whole), blend(ink, look.field, look.faint), 1.8, nowhere)
     tail = _lines(server, f"{name}_tail", _tail(path, float(path.time_s[0])), ink, 3.2, nowhere)
-    drop = _lines(server, f"{name}_drop", _drop(path.position_km[0]), blend(ink, look.field, 0.5), 1.2, nowhere)
+    drop = _lines(server, f"{name}_drop", _drop(path.position_km[0]), blend(ink, look.field, look.faint), 1.2, nowhere)
     shape = server.scene.add_mesh_simple(
         name,
         mesh.vertices * size_km,

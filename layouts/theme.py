@@ -33,12 +33,12 @@ class Ground:
     border: Rgb
     lift: float
     """How far inks are moved towards the far end (white on dark, black on light) in 3-D, 0 to 1."""
+    faint: float
+    """Share of the field's colour in a path that is not being flown just now, 0 to 1."""
 
 
-DARK = Ground(background=(13, 17, 23), field=(22, 29, 41), grid=(41, 52, 70), border=(104, 122, 150), lift=0.12)
-LIGHT = Ground(
-    background=(246, 248, 251), field=(228, 234, 243), grid=(205, 214, 227), border=(122, 136, 158), lift=0.1
-)
+DARK = Ground((13, 17, 23), (22, 29, 41), (41, 52, 70), (104, 122, 150), lift=0.12, faint=0.5)
+LIGHT = Ground((247, 249, 252), (255, 255, 255), (176, 188, 206), (110, 125, 150), lift=0.05, faint=0.38)
 
 
 def ground(mode: Mode) -> Ground:

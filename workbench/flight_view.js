@@ -71,11 +71,13 @@ export function render({model}) {
   }
 
   frame.addEventListener("load", hide)
+  let seen = 0
   const watch = setInterval(() => {
     hide()
     const dark = isDark()
     if (dark !== model.dark) { model.dark = dark }
-    if (frame.contentDocument?.querySelector("canvas")) { cover.classList.add("gone") }
+    // viser's canvas is black until its first frame; nothing tells when that is.
+    if (frame.contentDocument?.querySelector("canvas") && ++seen > 4) { cover.classList.add("gone") }
   }, 300)
   model.on(["camera", "overlay"], drawBar)
   model.on("remove", () => clearInterval(watch))

@@ -1,11 +1,11 @@
-"""The 3-D replay of one page session: a live viser scene behind the front door, cameras, and the frame it is shown in."""
+"""The 3-D replay of one page session: a live viser scene behind the front door, its cameras and its frame."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import param
@@ -26,7 +26,7 @@ FIELD_OF_VIEW_RAD = math.radians(38.0)
 CHASE_BEHIND_KM = 42.0
 CHASE_ABOVE_KM = 17.0
 CHASE_AHEAD_KM = 12.0
-OVERVIEW_PITCH_RAD = math.radians(46.0)
+OVERVIEW_PITCH_RAD = math.radians(56.0)
 CHASE = {"chase-a": 0, "chase-b": 1}
 
 
@@ -40,26 +40,7 @@ class FlightFrame(JSComponent):
     dark = param.Boolean(default=True, doc="whether the page is dark; set by the browser")
 
     _esm = Path(__file__).with_suffix(".js")
-    _stylesheets: ClassVar[list[Any]] = [
-        """
-.view { position: relative; width: 100%; height: 100%; border-radius: 8px; overflow: hidden;
-  background: color-mix(in srgb, var(--panel-on-background-color) 6%, var(--panel-background-color)) }
-iframe { width: 100%; height: 100%; border: 0; display: block }
-.cover { position: absolute; inset: 0; display: grid; place-items: center; font: 14px var(--bokeh-base-font, sans-serif);
-  color: var(--panel-on-background-color); background: var(--panel-background-color); transition: opacity .5s; padding: 24px;
-  text-align: center }
-.cover.gone { opacity: 0; pointer-events: none }
-.bar { position: absolute; right: 8px; bottom: 8px; display: flex; border-radius: 6px; overflow: hidden;
-  border: 1px solid color-mix(in srgb, var(--panel-on-background-color) 24%, transparent);
-  background: color-mix(in srgb, var(--panel-background-color) 78%, transparent) }
-.bar button { font: 12px var(--bokeh-base-font, sans-serif); color: var(--panel-on-background-color); background: none; border: 0;
-  height: 28px; padding: 0 10px; cursor: pointer }
-.bar button:hover { background: color-mix(in srgb, currentColor 12%, transparent) }
-.bar button.on { background: color-mix(in srgb, var(--panel-primary-color) 34%, transparent); font-weight: 600 }
-.bar button:focus-visible { outline: 2px solid var(--panel-primary-color); outline-offset: -2px }
-.bar .apart { border-left: 1px solid color-mix(in srgb, currentColor 24%, transparent) }
-"""
-    ]
+    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
 
 
 class FlightView:

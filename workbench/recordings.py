@@ -1,4 +1,4 @@
-"""Rerun recordings (`.rrd`) of flights, written when somebody asks; a cache, as the format changes with every release."""
+"""Rerun recordings (`.rrd`) of flights, written when somebody asks; a cache, as the format changes by release."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import param
 from panel.custom import JSComponent
@@ -23,12 +23,4 @@ class RerunPane(JSComponent):
     error = param.String(default="", doc="one sentence when something failed; set by the browser")
 
     _esm = Path(__file__).with_suffix(".js")
-    _stylesheets: ClassVar[list[Any]] = [
-        """
-.pane { position: relative; width: 100%; height: 100%; border-radius: 8px; overflow: hidden }
-iframe { width: 100%; height: 100%; border: 0; display: block }
-.cover { position: absolute; inset: 0; display: grid; place-items: center; font: 14px var(--bokeh-base-font, sans-serif);
-  color: var(--panel-on-background-color); background: var(--panel-background-color); transition: opacity .5s }
-.cover.gone { opacity: 0; pointer-events: none }
-"""
-    ]
+    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]

@@ -127,7 +127,7 @@ class FlyPage:
         self._clock = FlightClock(sizing_mode="stretch_width", margin=0, height=48)
         self._clock.param.watch(self._tick, "time")
         self._clock.param.watch(self._settle, "settled")
-        self._events = EventList(sizing_mode="stretch_both", margin=0)
+        self._events = EventList(sizing_mode="stretch_width", margin=0)
         self._tabs = FlightTabs(self._context.recordings, load_scenario(SCENARIO), lambda: self._clock.time)
 
     def _arrange(self) -> pn.viewable.Viewable:

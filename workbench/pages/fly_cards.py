@@ -4,25 +4,12 @@ from __future__ import annotations
 
 import html
 import math
+from pathlib import Path
 
 from sim.trajectory import Trajectory
 from sim.world import Fate, Outcome
 
-CARD_CSS = """
-:host { --ok: #1fa05f; --bad: #e5414d; --idle: #7d8794 }
-.card { display: flex; align-items: center; gap: 14px; padding: 8px 14px 8px 10px; border-radius: 8px; min-height: 48px;
-  border-left: 5px solid var(--ink); font-family: var(--bokeh-base-font, sans-serif); box-sizing: border-box; height: 100%;
-  background: color-mix(in srgb, var(--ink) 9%, transparent); color: var(--panel-on-background-color) }
-.letter { font-size: 26px; font-weight: 800; color: var(--ink); width: 22px; text-align: center; flex: none }
-.who { flex: 1 1 120px; min-width: 0; line-height: 1.25 }
-.name { font-size: 13px; opacity: .8; white-space: nowrap; overflow: hidden; text-overflow: ellipsis }
-.outcome { font-size: 17px; font-weight: 650; white-space: nowrap; overflow: hidden; text-overflow: ellipsis }
-.exit .outcome { color: var(--ok) } .failed .outcome { color: var(--bad) }
-.numbers { display: flex; gap: 18px; margin: 0; text-align: right; flex: none }
-.numbers div { display: flex; flex-direction: column-reverse }
-.numbers dt { font-size: 11px; opacity: .7; white-space: nowrap }
-.numbers dd { margin: 0; font-size: 17px; font-weight: 600; font-variant-numeric: tabular-nums; white-space: nowrap }
-"""
+CARD_CSS = Path(__file__).with_suffix(".css").read_text("utf-8")
 
 
 def flight_card(letter: str, label: str, flight: Trajectory, colour: str) -> str:

@@ -6,7 +6,14 @@ export function render({model}) {
   root.className = "events"
   root.setAttribute("role", "list")
   root.setAttribute("aria-label", "Events of both flights")
-  let rows = [], now = 0
+  let rows = [], now = 0, shown
+
+  // scrollIntoView would scroll the page as well.
+  function reveal(node) {
+    const [box, place] = [root.getBoundingClientRect(), node.getBoundingClientRect()]
+    if (place.top < box.top) { root.scrollTop -= box.top - place.top }
+    if (place.bottom > box.bottom) { root.scrollTop += place.bottom - box.bottom }
+  }
 
   function highlight() {
     let latest = null
@@ -17,6 +24,8 @@ export function render({model}) {
       if (past) { latest = row }
     }
     latest?.node.classList.add("latest")
+    if (latest && latest.node !== shown) { reveal(latest.node) }
+    shown = latest?.node
   }
 
   function draw() {

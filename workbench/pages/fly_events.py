@@ -21,23 +21,7 @@ class EventList(JSComponent):
     events = param.List(default=[], doc="rows: dicts as `event_rows` makes them")
 
     _esm = Path(__file__).with_suffix(".js")
-    _stylesheets: ClassVar[list[Any]] = [
-        """
-.events { display: flex; flex-direction: column; height: 100%; overflow-y: auto; scrollbar-width: thin; gap: 1px;
-  font: 13px/1.3 var(--bokeh-base-font, sans-serif); color: var(--panel-on-background-color) }
-button { display: grid; grid-template-columns: 40px 20px 8px 1fr; gap: 8px; align-items: center; text-align: left; font: inherit;
-  color: inherit; background: none; border: 0; border-left: 3px solid transparent; padding: 5px 6px 5px 5px; cursor: pointer;
-  border-radius: 0 4px 4px 0 }
-button:hover { background: color-mix(in srgb, currentColor 9%, transparent) }
-button:focus-visible { outline: 2px solid var(--panel-primary-color); outline-offset: -2px }
-.future { opacity: .5 }
-.latest { border-left-color: var(--panel-primary-color); background: color-mix(in srgb, currentColor 6%, transparent) }
-.when { font-variant-numeric: tabular-nums; text-align: right; opacity: .8 }
-.who { color: #fff; border-radius: 4px; text-align: center; font-weight: 700; font-size: 11px; line-height: 18px }
-.dot { width: 8px; height: 8px; border-radius: 50% }
-.exit .what, .shot_down .what, .left_field .what, .timeout .what { font-weight: 700 }
-"""
-    ]
+    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
 
 
 def event_rows(flights: Mapping[str, Trajectory], colours: Mapping[str, str]) -> list[dict[str, Any]]:

@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import panel as pn
-import panel_material_ui as pmui
 
 REPLAY_HEIGHT = 325
+STAGE_CSS = """
+:host { display: grid !important; grid-template-columns: minmax(0, 1fr) 290px; gap: 14px;
+  grid-auto-rows: auto; height: auto !important }
+@media (max-width: 1180px) { :host { grid-template-columns: minmax(0, 1fr); gap: 8px } }
+"""
 
 
 def arrange(
@@ -21,17 +25,14 @@ def arrange(
 ) -> pn.viewable.Viewable:
     """The page: controls, then replay and events (beside it, or below on narrow screens), then the curves."""
     replay.height = REPLAY_HEIGHT
-    stage = pmui.Column(
-        pn.FlexBox(*cards, flex_wrap="nowrap", gap="12px", sizing_mode="stretch_width", margin=0),
-        replay, clock, margin=0, sizing_mode="stretch_width", styles={"flex": "1 1 720px", "gap": "8px", "min-width": "0"},
-    )  # fmt: skip
-    side = pmui.Column(
-        events, margin=0, styles={"flex": "0 1 290px", "height": f"{REPLAY_HEIGHT + 120}px", "min-width": "260px"}
-    )
+    both_cards = pn.FlexBox(*cards, flex_wrap="nowrap", gap="12px", sizing_mode="stretch_width", margin=0)
+    stage = pn.Column(both_cards, replay, clock, sizing_mode="stretch_width", margin=0, styles={"gap": "8px"})
     return pn.Column(
         pn.FlexBox(*controls, gap="14px", align_items="end", sizing_mode="stretch_width", margin=0),
         *notices,
-        pn.FlexBox(stage, side, gap="14px", sizing_mode="stretch_width", margin=0),
+        pn.Row(stage, events, sizing_mode="stretch_width", margin=0, stylesheets=[STAGE_CSS]),
         tabs,
-        sizing_mode="stretch_width", margin=(10, 18), styles={"gap": "8px"},
-    )  # fmt: skip
+        sizing_mode="stretch_width",
+        margin=(10, 18),
+        styles={"gap": "8px"},
+    )
