@@ -9,7 +9,7 @@ from agents.distillation import imitation_reward
 from agents.features import ObservationFeatures
 from agents.reuse import behaviour_action, composite_action, draw_reuse
 from agents.stage import Stage
-from agents.task import GOAL_REACHED, FloatArray
+from agents.task import GOAL_REACHED, BoolArray, FloatArray
 from agents.training_state import FinishedEpisode, TrainingState
 from agents.transfer_mask import TransferMask
 
@@ -52,7 +52,7 @@ class Collector:
         action = self.stage.guide.act(self.mask.shared(observation), self.stage.source.layout)
         return np.clip(action, -self.limit, self.limit)
 
-    def explore(self, own: FloatArray, guide: FloatArray, allowed: FloatArray, state: TrainingState) -> FloatArray:
+    def explore(self, own: FloatArray, guide: FloatArray, allowed: BoolArray, state: TrainingState) -> FloatArray:
         """A = μ_b(s) + δ, δ ~ 𝒩(0, σ), clipped to the action range: Algorithm 4, line 5. One draw per lane."""
         hyper = self.stage.hyper
         state.reused = draw_reuse(state.reused, state.restarted, state.epsilon, hyper.segment_steps, state.generator)
@@ -60,7 +60,7 @@ class Collector:
         noise = state.generator.normal(0.0, hyper.action_noise, action.shape)
         return np.clip(action + noise, -self.limit, self.limit).astype(np.float32)
 
-    def restart(self, state: TrainingState, over: FloatArray) -> None:
+    def restart(self, state: TrainingState, over: BoolArray) -> None:
         """Record finished episodes and start their lanes anew, after the transition has been stored."""
         state.restarted = over
         if not over.any():

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any, TypeVar
+
 import numpy as np
 
 from agents.task import BoolArray, FloatArray
+
+Rewards = TypeVar("Rewards", bound=Any)
 
 
 def imitation_reward(action: FloatArray, guide_action: FloatArray, allowed: BoolArray) -> FloatArray:
@@ -21,6 +25,6 @@ def imitation_reward(action: FloatArray, guide_action: FloatArray, allowed: Bool
     return np.where(allowed, -distance, 0.0).astype(np.float32)
 
 
-def distilled_reward(reward: FloatArray, imitation: FloatArray, alpha: float) -> FloatArray:
-    """Reward that the learner maximises, R + α D: Eq. (14), §3.3.2; all `[B]`, arrays or tensors."""
+def distilled_reward(reward: Rewards, imitation: Rewards, alpha: float) -> Rewards:
+    """Reward that the learner maximises, R + α D: Eq. (14), §3.3.2; all `[B]`, arrays or tensors alike."""
     return reward + alpha * imitation

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import torch
 from torch import Tensor, nn
@@ -16,6 +17,8 @@ from agents.distillation import distilled_reward
 from agents.hyperparameters import Hyperparameters
 from agents.networks import Actor, TwinCritic
 from agents.replay import Batch
+
+Network = TypeVar("Network", bound=nn.Module)
 
 
 def td_target(reward: Tensor, terminated: Tensor, next_value: Tensor, gamma: float) -> Tensor:
@@ -83,7 +86,7 @@ class Td3:
         if self.hyper.two_returns:
             rewards = torch.stack((batch.reward, batch.imitation), dim=1)
         else:
-            rewards = distilled_reward(batch.reward, batch.imitation, alpha)[:, None]  # type: ignore[arg-type]
+            rewards = distilled_reward(batch.reward, batch.imitation, alpha)[:, None]
         return rewards * self.hyper.reward_scale
 
     @torch.no_grad()
@@ -137,9 +140,10 @@ class Td3:
         return LearnerStatistics(critic / critics, actor / actors, q / critics / scale)
 
 
-def _frozen_copy(module: nn.Module) -> nn.Module:
+def _frozen_copy(module: Network) -> Network:
     return copy.deepcopy(module).requires_grad_(False)
 
 
 def _lerp(target: nn.Module, online: nn.Module, share: float) -> None:
-    torch._foreach_lerp_(list(target.parameters()), list(online.parameters()), share)
+    library: Any = torch  # the stubs leave the foreach functions out
+    library._foreach_lerp_(list(target.parameters()), list(online.parameters()), share)
