@@ -67,7 +67,13 @@ export function render({model}) {
     both.classList.add("apart")
     both.setAttribute("aria-pressed", String(model.overlay))
     both.onclick = () => { model.overlay = !model.overlay; drawBar() }
-    bar.replaceChildren(...buttons, both)
+    const photo = document.createElement("button")
+    photo.type = "button"
+    photo.textContent = "PNG"
+    photo.title = "Save this view as a picture"
+    photo.classList.add("apart")
+    photo.onclick = () => { photo.textContent = "…"; model.photo += 1 }
+    bar.replaceChildren(...buttons, both, photo)
   }
 
   frame.addEventListener("load", hide)
@@ -80,6 +86,14 @@ export function render({model}) {
     if (frame.contentDocument?.querySelector("canvas") && ++seen > 4) { cover.classList.add("gone") }
   }, 300)
   model.on(["camera", "overlay"], drawBar)
+  model.on("picture", () => {
+    if (!model.picture) { return }
+    const link = document.createElement("a")
+    link.href = model.picture
+    link.download = "flight.png"
+    link.click()
+    drawBar()
+  })
   model.on("remove", () => clearInterval(watch))
   drawBar()
   return root

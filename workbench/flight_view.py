@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import math
+import asyncio
+import base64
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
 import param
-from numpy.typing import NDArray
 from panel.custom import JSComponent
+from PIL import Image
 
-from layouts.motion import Motion
+from layouts.cameras import FIELD_OF_VIEW_RAD, chase, overview
 from layouts.scene import FlightScene, build_scene
 from layouts.theme import POLICY_A, POLICY_B
 from sim.trajectory import Trajectory
@@ -22,12 +23,9 @@ if TYPE_CHECKING:
 
     from workbench.viser_proxy import ViserRegistry
 
-FIELD_OF_VIEW_RAD = math.radians(38.0)
-CHASE_BEHIND_KM = 42.0
-CHASE_ABOVE_KM = 17.0
-CHASE_AHEAD_KM = 12.0
-OVERVIEW_PITCH_RAD = math.radians(56.0)
 CHASE = {"chase-a": 0, "chase-b": 1}
+PHOTO_PATIENCE_S = 20.0
+PHOTO_WIDTH = 1920
 
 
 class FlightFrame(JSComponent):
@@ -38,6 +36,9 @@ class FlightFrame(JSComponent):
     look = param.Integer(default=0, doc="counts camera buttons pressed, so that pressing one again resets it")
     overlay = param.Boolean(default=False, doc="both flights on one battlefield; set by the browser")
     dark = param.Boolean(default=True, doc="whether the page is dark; set by the browser")
+
+    photo = param.Integer(default=0, doc="counts pictures asked for; set by the browser")
+    picture = param.String(default="", doc="the picture asked for, as a data: address of a PNG; empty when none came")
 
     _esm = Path(__file__).with_suffix(".js")
     _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
@@ -58,6 +59,7 @@ class FlightView:
         self.frame = FlightFrame(sizing_mode="stretch_width", margin=0)
         self.frame.param.watch(lambda *_events: self._build(), ["dark", "overlay"])
         self.frame.param.watch(lambda *_events: self._aim_all(), ["camera", "look"])
+        self.frame.param.watch(self._photograph, "photo")
 
     def load(self, flights: Sequence[Trajectory]) -> None:
         """Replace what is shown by these flights."""
@@ -93,6 +95,11 @@ class FlightView:
         if not keep_camera:
             self._aim_all()
 
+    async def _photograph(self, _event: object) -> None:
+        self.frame.picture = ""
+        for client in self._server.get_clients().values():
+            self.frame.picture = await asyncio.to_thread(photograph, client)
+
     def _aim_all(self) -> None:
         for client in self._server.get_clients().values():
             self._aim(client)
@@ -107,28 +114,15 @@ class FlightView:
             if number is not None and number < len(scene.evaders):
                 camera.position, camera.look_at = chase(scene.evaders[number], self._time_s)
             else:
-                camera.position, camera.look_at = overview(scene, camera.aspect, top=self.frame.camera == "top")
+                camera.position, camera.look_at = overview(
+                    scene.width_km, scene.depth_km, camera.aspect, top=self.frame.camera == "top"
+                )
 
 
-def overview(scene: FlightScene, aspect: float, top: bool = False) -> tuple[NDArray, NDArray]:
-    """Camera position and target [km] that show all battlefields in a view of this width over height."""
-    tilt = math.radians(89.5) if top else OVERVIEW_PITCH_RAD
-    half_view = math.tan(FIELD_OF_VIEW_RAD / 2)
-    near = scene.depth_km / 2 * math.cos(tilt)  # the front edge is closer than the middle, and so looks wider
-    wide = scene.width_km * 1.03 / 2 / (half_view * max(aspect, 0.5)) + near
-    high = (scene.depth_km * math.sin(tilt) + 34.0) * 1.02 / 2 / half_view + near * 0.5
-    distance = max(wide, high)
-    target = np.array([0.0, 0.0, 8.0 if top else 12.0])
-    return target + distance * np.array([0.0, -math.cos(tilt), math.sin(tilt)]), target
-
-
-def chase(evader: Motion, time_s: float) -> tuple[NDArray, NDArray]:
-    """Camera position and target [km] behind and above an evader, along the way it has come lately."""
-    here = evader.position(time_s)
-    # Looking back over half a minute keeps the camera calm while the evader turns hard.
-    along = evader.position(time_s + 4.0) - evader.position(max(time_s - 26.0, float(evader.time_s[0])))
-    along[2] = 0.0
-    length = float(np.linalg.norm(along))
-    direction = along / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
-    up = np.array([0.0, 0.0, 1.0])
-    return here - direction * CHASE_BEHIND_KM + up * CHASE_ABOVE_KM, here + direction * CHASE_AHEAD_KM
+def photograph(client: viser.ClientHandle) -> str:
+    """What this browser shows, drawn larger, as a data: address of a PNG; waits for the browser, so not on the loop."""
+    height = round(PHOTO_WIDTH / max(client.camera.aspect, 0.5))
+    image = client.get_render(height, PHOTO_WIDTH, transport_format="jpeg", timeout=PHOTO_PATIENCE_S)
+    packed = io.BytesIO()
+    Image.fromarray(image).save(packed, "PNG")
+    return "data:image/png;base64," + base64.b64encode(packed.getvalue()).decode()

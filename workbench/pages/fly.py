@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import html
-import random
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -12,25 +11,23 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from layouts.theme import POLICY_A, POLICY_B, missile_colour
+from layouts.theme import POLICY_A, POLICY_B
 from sim.errors import SubMasError
 from sim.scenario import load_scenario
-from sim.task import Task
-from sim.trajectory import Trajectory, fly
+from sim.trajectory import Trajectory
 from workbench.context import AppContext
 from workbench.flight_view import FlightView
-from workbench.pages.fly_cards import CARD_CSS, flight_card, waiting_card
+from workbench.pages.fly_cards import CARD_CSS, flight_card, note_card
 from workbench.pages.fly_clock import FlightClock
+from workbench.pages.fly_controls import FlyControls
 from workbench.pages.fly_events import EventList, event_rows
 from workbench.pages.fly_figures import Pair
+from workbench.pages.fly_flights import SCENARIO, fly_both
 from workbench.pages.fly_layout import arrange
-from workbench.pages.fly_missiles import MissileChips
-from workbench.pages.fly_settings import SEED_MAX, FlySettings, default_settings, read_settings
+from workbench.pages.fly_settings import FlySettings, default_settings, read_settings
 from workbench.pages.fly_tabs import FlightTabs
-from workbench.policies import policy_choices, resolve_policy
-from workbench.runs import RunStore
+from workbench.policies import policy_choices
 
-SCENARIO = "default"
 COLOURS = {"A": POLICY_A, "B": POLICY_B}
 RECORD_EVERY = 2
 """Substeps between records: ten a second are more than a screen shows."""
@@ -39,23 +36,6 @@ RECORD_EVERY = 2
 def page(context: AppContext) -> pn.viewable.Viewable:
     """The Fly page of one session."""
     return FlyPage(context).layout
-
-
-def fly_both(settings: FlySettings, store: RunStore) -> tuple[Trajectory, Trajectory]:
-    """Fly both policies from the same initial state.
-
-    Raises:
-        SubMasError: a policy does not exist any more, is damaged, or cannot see a missile of the task.
-    """
-    from agents.policy import bind
-
-    task = Task(load_scenario(SCENARIO), settings.masked)
-    bound = [bind(resolve_policy(spec, store), task) for spec in (settings.a, settings.b)]
-    a, b = (
-        fly(task, act, spec, settings.seed, record_every=RECORD_EVERY)
-        for act, spec in zip(bound, (settings.a, settings.b), strict=True)
-    )
-    return a, b
 
 
 class FlyPage:
@@ -69,46 +49,12 @@ class FlyPage:
         query = {name: values[-1].decode(errors="replace") for name, values in pn.state.session_args.items()}
         self._settings, problems = read_settings(query, self._labels, defaults, missiles)
         self._request = 0
-        self._make_controls(missiles)
+        self._flown = False
+        self._controls = FlyControls(self._settings, self._labels, missiles, self._choose)
         self._make_views()
         self.layout = self._arrange()
         self._complain(" ".join(problems))
         pn.state.onload(self._fly)
-
-    def _make_controls(self, missiles: int) -> None:
-        options = {label: spec for spec, label in self._labels.items()}
-        chosen = self._settings
-        common: dict[str, Any] = {"options": options, "size": "small", "margin": 0, "styles": {"flex": "1 1 230px"}}
-        self._a = pmui.Select(label="Policy A", value=chosen.a, **common)
-        self._b = pmui.Select(label="Policy B", value=chosen.b, **common)
-        colours = [missile_colour(number) for number in range(1, missiles + 1)]
-        self._chips = MissileChips(
-            masked=sorted(chosen.masked), colours=colours, margin=0, width=206, sizing_mode="fixed"
-        )
-        self._seed = pmui.IntInput(
-            label="Initial state",
-            value=chosen.seed,
-            start=0,
-            end=SEED_MAX,
-            size="small",
-            width=120,
-            margin=0,
-            sizing_mode="fixed",
-        )
-        buttons = (("chevron_left", "Previous initial state", -1), ("chevron_right", "Next initial state", 1))
-        self._seed_buttons = [self._seed_button(icon, words, step) for icon, words, step in buttons]
-        self._seed_buttons.append(self._seed_button("casino", "A random initial state", 0))
-        for widget, name in ((self._a, "value"), (self._b, "value"), (self._chips, "masked"), (self._seed, "value")):
-            widget.param.watch(self._choose, name)
-
-    def _seed_button(self, icon: str, words: str, step: int) -> pmui.IconButton:
-        def move(_event: object) -> None:
-            seed = (self._seed.value or 0) + step if step else random.randrange(10_000)
-            self._seed.value = min(max(seed, 0), SEED_MAX)
-
-        button = pmui.IconButton(icon=icon, description=words, size="medium", margin=0, sizing_mode=None)
-        button.on_click(move)
-        return button
 
     def _make_views(self) -> None:
         self._alert = pmui.Alert(object="", severity="warning", visible=False, margin=0, sizing_mode="stretch_width")
@@ -117,27 +63,22 @@ class FlyPage:
         )
         self._cards = {
             letter: pn.pane.HTML(
-                waiting_card(letter, self._labels[spec], COLOURS[letter]),
+                note_card(letter, self._labels[spec], COLOURS[letter], "flying …"),
                 stylesheets=[CARD_CSS], margin=0, sizing_mode="stretch_width",
             )
             for letter, spec in (("A", self._settings.a), ("B", self._settings.b))
         }  # fmt: skip
         self._view = FlightView(self._context.viser)
         pn.state.on_session_destroyed(lambda _session: self._view.close())
-        self._clock = FlightClock(sizing_mode="stretch_width", margin=0, height=48)
+        self._clock = FlightClock(time=self._settings.time_s, sizing_mode="stretch_width", margin=0, height=48)
         self._clock.param.watch(self._tick, "time")
         self._clock.param.watch(self._settle, "settled")
         self._events = EventList(sizing_mode="stretch_width", margin=0)
-        self._tabs = FlightTabs(self._context.recordings, load_scenario(SCENARIO), lambda: self._clock.time)
+        self._tabs = FlightTabs(self._context.recordings, load_scenario(SCENARIO), self._rerun_state)
 
     def _arrange(self) -> pn.viewable.Viewable:
         return arrange(
-            controls=[
-                self._a,
-                self._b,
-                self._chips,
-                pmui.Row(self._seed, *self._seed_buttons, margin=0, width=246, sizing_mode="fixed"),
-            ],
+            controls=self._controls.items,
             notices=[self._progress, self._alert],
             cards=list(self._cards.values()),
             replay=self._view.frame,
@@ -146,11 +87,8 @@ class FlyPage:
             tabs=self._tabs.layout,
         )
 
-    def _choose(self, _event: object) -> None:
-        chosen = replace(
-            self._settings, a=self._a.value, b=self._b.value, masked=frozenset(self._chips.masked),
-            seed=self._seed.value or 0, time_s=0.0,
-        )  # fmt: skip
+    def _choose(self) -> None:
+        chosen = self._controls.settings()
         if chosen != replace(self._settings, time_s=0.0):
             self._settings = chosen
             self._complain("")
@@ -163,7 +101,7 @@ class FlyPage:
         try:
             a, b = await asyncio.to_thread(fly_both, settings, self._context.store)
         except SubMasError as error:
-            self._complain(f"{str(error)[0].upper()}{str(error)[1:]}.")
+            self._refuse(settings, f"{str(error)[0].upper()}{str(error)[1:]}.")
             return
         finally:
             if number == self._request:
@@ -175,6 +113,7 @@ class FlyPage:
     def _show(self, settings: FlySettings, a: Trajectory, b: Trajectory) -> None:
         pair = Pair(a, b, f"A · {self._labels[settings.a]}", f"B · {self._labels[settings.b]}")
         flights = {"A": a, "B": b}
+        self._flown = True
         for letter, spec in (("A", settings.a), ("B", settings.b)):
             self._cards[letter].object = flight_card(letter, self._labels[spec], flights[letter], COLOURS[letter])
         rows = event_rows(flights, COLOURS)
@@ -183,10 +122,20 @@ class FlyPage:
         start = min(self._settings.time_s, pair.duration_s)
         self._clock.param.update(duration=pair.duration_s, marks=rows)
         if start != self._clock.time:
-            self._clock.jump = start
+            self._clock.move(start)
         self._view.show(start)
         self._tabs.show(pair)
         self._write_address()
+
+    def _refuse(self, settings: FlySettings, sentence: str) -> None:
+        self._complain(f"{sentence} Nothing new was flown.")
+        if self._flown:
+            return
+        for letter, spec in (("A", settings.a), ("B", settings.b)):
+            self._cards[letter].object = note_card(letter, self._labels[spec], COLOURS[letter], "not flown")
+
+    def _rerun_state(self) -> dict[str, Any]:
+        return {"start": self._clock.time, "theme": "dark" if self._view.frame.dark else "light"}
 
     def _tick(self, event: Any) -> None:
         self._view.show(event.new)

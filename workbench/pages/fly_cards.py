@@ -31,11 +31,11 @@ def flight_card(letter: str, label: str, flight: Trajectory, colour: str) -> str
     )
 
 
-def waiting_card(letter: str, label: str, colour: str) -> str:
-    """The card before the first flight is there."""
+def note_card(letter: str, label: str, colour: str, note: str) -> str:
+    """The card while there is no flight to tell of."""
     return (
         f'<div class="card" style="--ink: {colour}"><span class="letter">{letter}</span><div class="who">'
-        f'<div class="outcome">flying …</div><div class="name">{html.escape(label)}</div></div></div>'
+        f'<div class="outcome">{html.escape(note)}</div><div class="name">{html.escape(label)}</div></div></div>'
     )
 
 

@@ -134,10 +134,9 @@ export function render({model}) {
   window.addEventListener("flight-clock", onClock)
   document.addEventListener("keydown", onKey)
   model.on("shown", () => { waiting = false; send() })
-  model.on("jump", () => { setPlaying(false); put(model.jump) })
+  model.on("jump", () => { setPlaying(false); put(model.jump[0]) })
   model.on("playing", () => { if (model.playing !== playing) { setPlaying(model.playing) } })
   model.on(["duration", "marks"], () => { drawMarks(); looked = 0; put(Math.min(time, model.duration)) })
-  model.on("redraw", () => { looked = 0; moveCursors() })
   model.on("remove", () => {
     playing = false
     cancelAnimationFrame(frame)

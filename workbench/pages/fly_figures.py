@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,7 @@ from sim.trajectory import Trajectory
 HEIGHT = 245
 MAP_HEIGHT = 380
 INKS = (POLICY_A, POLICY_B)
+LEAD_S = 15.0
 ROOM = 0.05
 """Share of a scale left free beyond the outermost values."""
 
@@ -38,6 +40,15 @@ class Pair:
         """Length of the longer flight."""
         return max(self.a.duration_s, self.b.duration_s)
 
+    @property
+    def engagement_s(self) -> tuple[float, float]:
+        """From shortly before the first launch of either flight to shortly after its last missile has ended."""
+        missiles = [m for m in (*self.a.missiles, *self.b.missiles) if math.isfinite(m.launch_s)]
+        if not missiles:
+            return 0.0, self.duration_s
+        ends = [m.end_s if math.isfinite(m.end_s) else self.duration_s for m in missiles]
+        return max(min(m.launch_s for m in missiles) - LEAD_S, 0.0), min(max(ends) + LEAD_S, self.duration_s)
+
 
 @dataclass(frozen=True)
 class ChartPair:
@@ -47,22 +58,26 @@ class ChartPair:
     b: FlightChart
     x_range: Range1d | None = None
     y_range: Range1d | None = None
+    zoomed: bool = False
+    """Show only the time in which missiles fly, as Fig. 12 does; panning leads to the rest."""
 
     def show(self, pair: Pair) -> None:
         """Show these flights."""
         if self.x_range is not None:
-            fit(self.x_range, 0.0, pair.duration_s)
+            low, high = pair.engagement_s if self.zoomed else (0.0, pair.duration_s)
+            fit(self.x_range, low, high, (0.0, pair.duration_s))
         self.a.show(pair.a, pair.title_a)
         self.b.show(pair.b, pair.title_b)
         if self.y_range is not None:
             low, high = _span(self.a, self.b)
             room = (high - low) * ROOM
-            fit(self.y_range, low - room if low < 0.0 else 0.0, high + room)
+            low, high = low - room if low < 0.0 else 0.0, high + room
+            fit(self.y_range, low, high, (low, high))
 
 
-def fit(axis: Range1d, low: float, high: float) -> None:
-    """Set a range and what its reset tool comes back to."""
-    axis.update(start=low, end=high, reset_start=low, reset_end=high, bounds=(low, high))
+def fit(axis: Range1d, low: float, high: float, bounds: tuple[float, float]) -> None:
+    """Set a range, what its reset tool comes back to, and how far it can be moved."""
+    axis.update(start=low, end=high, reset_start=low, reset_end=high, bounds=bounds)
 
 
 class ChartPairs:
@@ -84,7 +99,8 @@ class ChartPairs:
         return self.made[title]
 
     def _azimuth(self) -> ChartPair:
-        return ChartPair(*(azimuth_chart(self._missiles, HEIGHT, self._time) for _ in INKS), self._time)
+        x = Range1d(0.0, 1.0)
+        return ChartPair(*(azimuth_chart(self._missiles, HEIGHT, x) for _ in INKS), x, zoomed=True)
 
     def _range(self) -> ChartPair:
         y = Range1d(0.0, 1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -19,8 +20,8 @@ RERUN_HEIGHT = 620
 class FlightTabs:
     """Shows what belongs to the pair of flights it was last given."""
 
-    def __init__(self, recordings: Recordings, scenario: Scenario, time_s: Callable[[], float]) -> None:
-        self._recordings, self._time_s = recordings, time_s
+    def __init__(self, recordings: Recordings, scenario: Scenario, state: Callable[[], dict[str, Any]]) -> None:
+        self._recordings, self._state = recordings, state
         self._pair: Pair | None = None
         self._recorded: Pair | None = None
         self._charts = ChartPairs(scenario)
@@ -64,7 +65,7 @@ class FlightTabs:
             self._rerun.objects[0].recording = address
         else:
             pane = RerunPane(
-                recording=address, start=self._time_s(), height=RERUN_HEIGHT, sizing_mode="stretch_width", margin=0
+                recording=address, **self._state(), height=RERUN_HEIGHT, sizing_mode="stretch_width", margin=0
             )
             self._rerun.objects = [pane]
 
