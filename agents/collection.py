@@ -34,13 +34,14 @@ class Collector:
         step = state.world.step(action)
         features = self.features.encode(step.observation)
         # The end of an episode by the step limit is not stored as an end: its value goes on.
-        state.replay.add(state.features, action / self.limit, step.reward, imitation, step.terminated, features)
+        over = step.terminated | step.truncated
+        state.replay.add(state.features, action / self.limit, step.reward, imitation, step.terminated, over, features)
         state.lane_return = state.lane_return + step.reward
         state.counts.transfer_allowed += int(allowed.sum())
         state.counts.steps += len(action)
         state.env_steps += len(action)
         state.observation, state.features = step.observation, features
-        self.restart(state, step.terminated | step.truncated)
+        self.restart(state, over)
 
     def own_action(self, state: TrainingState) -> FloatArray:
         """μ_k(s): actions of the policy in training `[L, 1]` [rad]."""

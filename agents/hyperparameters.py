@@ -54,6 +54,8 @@ class Hyperparameters:
     """Largest change of α per epoch, δ_α (Eq. 20)."""
     gamma: float = _within(0.0, 1.0)
     """Discount per decision step."""
+    return_steps: int = _within(1, 1_000)
+    """Steps of reward summed before the value of what follows counts; more than 1 carries the exit's reward faster."""
     polyak: float = _within(0.0, 1.0)
     """Step of the target networks towards the trained ones, τ of Algorithm 4."""
     action_noise: float = _within(0.0, math.pi)
@@ -112,6 +114,7 @@ PAPER: Final = Hyperparameters(
     # "Other hyperparameters follow the default setting in OpenAI SpinningUp" (§4.1): its noise is in action
     # units, unscaled.
     gamma=0.99,
+    return_steps=1,
     polyak=0.005,
     action_noise=0.1,
     target_noise=0.2,
@@ -147,6 +150,7 @@ FAST: Final = dataclasses.replace(
     lanes=64,
     updates_per_lane_step=4,
     segment_steps=60,
+    return_steps=10,
     reward_scale=0.01,
     layer_norm=True,
     two_returns=True,

@@ -49,7 +49,8 @@ def run_updates(stage: Stage, state: TrainingState) -> None:
     """The gradient steps that follow one step of all lanes (Algorithm 4, lines 11-22)."""
     hyper = stage.hyper
     generator = state.learner.generator
-    for batch in state.replay.minibatches(hyper.updates_per_lane_step, hyper.batch_size, generator):
+    count, steps = hyper.updates_per_lane_step, hyper.return_steps
+    for batch in state.replay.minibatches(count, hyper.batch_size, steps, hyper.gamma, generator):
         state.learner.update(batch, state.alpha)
     state.counts.updates += hyper.updates_per_lane_step
 

@@ -8,6 +8,8 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
+from agents.task import FloatArray
+
 
 class Actor(nn.Module):
     """Deterministic policy μ_θ: features `[B, f]` -> actions `[B, 1]` as shares of the action limit, in [-1, 1]."""
@@ -23,6 +25,11 @@ class Actor(nn.Module):
         for layer in hidden:
             features = torch.relu(layer(features))
         return torch.tanh(last(features))
+
+    def arrays(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Copies of all weights `[out, in]` and biases `[out]`, first layer to last."""
+        linear = [layer for layer in self.layers if isinstance(layer, nn.Linear)]
+        return [(layer.weight.detach().numpy().copy(), layer.bias.detach().numpy().copy()) for layer in linear]
 
 
 class Critic(nn.Module):

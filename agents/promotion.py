@@ -13,9 +13,8 @@ def current_policy(stage: Stage, state: TrainingState) -> NetworkPolicy:
     """The averaged actor (or the actor itself, without averaging) as a policy of its own."""
     learner = state.learner
     actor = learner.average_actor if stage.hyper.actor_average > 0.0 else learner.actor
-    pairs = [(layer.weight.detach().numpy().copy(), layer.bias.detach().numpy().copy()) for layer in actor.layers]
     features = stage.domain.features(stage.task.layout)
-    return NetworkPolicy(policy_name(stage), features, pairs, stage.domain.action_limit)
+    return NetworkPolicy(policy_name(stage), features, actor.arrays(), stage.domain.action_limit)
 
 
 def policy_name(stage: Stage) -> str:

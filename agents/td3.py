@@ -21,12 +21,13 @@ from agents.replay import Batch
 Network = TypeVar("Network", bound=nn.Module)
 
 
-def td_target(reward: Tensor, terminated: Tensor, next_value: Tensor, gamma: float) -> Tensor:
+def td_target(reward: Tensor, discount: Tensor, next_value: Tensor) -> Tensor:
     """Target y = r + γ Q'(s', a'): Eq. (4), with nothing to come after a terminal state.
 
-    `reward` and `next_value` are `[K, n]` for n returns, `terminated` `[K]`. A truncated episode is not terminal.
+    `reward` and `next_value` are `[K, n]` for n returns; `discount` `[K]` is γ, or γ^m for rewards of m steps, and 0
+    after a terminal state. A truncated episode is not terminal.
     """
-    return reward + gamma * (1.0 - terminated)[:, None] * next_value
+    return reward + discount[:, None] * next_value
 
 
 def clipped_double_q(first: Tensor, second: Tensor, weights: Tensor) -> Tensor:
@@ -98,7 +99,7 @@ class Td3:
         action = self.target_actor(batch.next_features).add_(noise.clamp_(-bound, bound)).clamp_(-1.0, 1.0)
         first, second = self.target_critics(batch.next_features, action)
         next_value = clipped_double_q(first, second, weights)
-        return td_target(self.rewards(batch, alpha), batch.terminated, next_value, hyper.gamma)
+        return td_target(self.rewards(batch, alpha), batch.discount, next_value)
 
     def _update_critics(self, batch: Batch, alpha: float, weights: Tensor) -> None:
         y = self.targets(batch, alpha, weights)

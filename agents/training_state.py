@@ -89,7 +89,7 @@ def start_stage(stage: Stage) -> TrainingState:
     observation = world.reset()
     return TrainingState(
         learner=Td3(features.size, hyper, domain.action_limit, stage.seed),
-        replay=Replay(hyper.replay_size, features.size),
+        replay=Replay(hyper.replay_size, hyper.lanes, features.size),
         world=world,
         observation=observation,
         features=features.encode(observation),
