@@ -7,8 +7,10 @@ makes them take turns, so no run starts twice and the limit holds whatever happe
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import dataclasses
+import logging
 import os
 import signal
 import subprocess
@@ -16,6 +18,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sim.errors import SubMasError
 from workbench.run_files import RunFileError, waiting_lock
 from workbench.runs import LAUNCHER_LOCK, Run, RunBusyError, RunsFolderError, RunStore, now
 
@@ -41,6 +44,7 @@ INHERITED = (
 ENTRY = ("-m", "workbench.training")
 """What Python runs as a training process."""
 
+log = logging.getLogger(__name__)
 _children: list[subprocess.Popen[bytes]] = []
 
 
@@ -84,6 +88,16 @@ def drain(store: RunStore, limit: int | None = None) -> list[Run]:
     except OSError as error:
         raise RunsFolderError(f"runs folder {store.root} cannot be written: {error.strerror}") from error
     return started
+
+
+async def tend(store: RunStore, every_s: float = 2.0) -> None:
+    """Keep the queue moving, for ever: the server's part, should a training die without draining the queue itself."""
+    while True:
+        try:
+            drain(store)
+        except SubMasError as error:
+            log.warning("%s", error)
+        await asyncio.sleep(every_s)
 
 
 def _good_runs(store: RunStore) -> list[Run]:

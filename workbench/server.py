@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.errors import SubMasError, UsageError
 from workbench.guard import Guard, stand_before
+from workbench.launcher import tend
 from workbench.run_files import take_lock
 
 if TYPE_CHECKING:
@@ -107,9 +108,11 @@ async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
     server.start()
     _announce(f"http://{HOST}:{server.port}/", guard.token, lock, browser)
     threading.Thread(target=_warm_up, name="warm-up", daemon=True).start()
+    queue = asyncio.create_task(tend(context.store))
     try:
         return await end
     finally:
+        queue.cancel()
         server.stop()
         context.viser.close_all()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import dataclasses
 import os
 import signal
@@ -17,7 +18,7 @@ import pytest
 
 from agents.config import TrainingConfig
 from workbench import launcher, training
-from workbench.launcher import drain, launch, stop_now
+from workbench.launcher import drain, launch, stop_now, tend
 from workbench.runs import Run, RunStore
 
 Config = Callable[..., TrainingConfig]
@@ -88,6 +89,18 @@ def test_a_killed_training_is_interrupted_and_never_started_again(store: RunStor
     wait(run, "interrupted")
     assert len(run.metrics()) == 2
     assert drain(store) == []
+
+
+def test_the_server_starts_what_a_dead_training_left_in_the_queue(
+    store: RunStore, config: Config, wait: Wait, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(launcher, "cpu_count", lambda: 1)
+    dying, next_one = launch(store, config("die_at=1")), launch(store, config("epochs=1"))
+    wait(dying, "interrupted")
+    assert next_one.state.state == "queued"
+    with pytest.raises(TimeoutError):
+        asyncio.run(asyncio.wait_for(tend(store, every_s=0.05), timeout=0.3))
+    wait(next_one, "finished")
 
 
 def test_a_reused_pid_does_not_bring_a_run_back_to_life(store: RunStore, config: Config, wait: Wait) -> None:

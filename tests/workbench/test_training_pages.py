@@ -17,7 +17,7 @@ from sim.task import Task, task_for
 from workbench import launcher
 from workbench.context import AppContext
 from workbench.estimate import TYPICAL_EPOCH_S, estimate
-from workbench.pages import curriculum_launch, live, runs
+from workbench.pages import curriculum_launch
 from workbench.pages.address import search
 from workbench.pages.curriculum import CurriculumPage
 from workbench.pages.curriculum_cards import observation_card, reward_card, task_card
@@ -47,8 +47,7 @@ def app(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AppContext:
     """Pages of an empty runs folder; nothing that is launched starts a process."""
     pn.extension("tabulator", notifications=True)
     monkeypatch.setattr(launcher, "cpu_count", lambda: 2)
-    for module in (curriculum_launch, live, runs):
-        monkeypatch.setattr(module, "drain", lambda store: [])
+    monkeypatch.setattr(curriculum_launch, "drain", lambda store: [])
     return AppContext.of(tmp_path / "runs")
 
 
@@ -274,7 +273,9 @@ def test_nothing_a_run_says_is_markup() -> None:
     row = {**ROW, "task": HOSTILE, "alpha": HOSTILE}
     learned = [{"task": HOSTILE, "success_rate": 1.0, "epochs": 1, "wall_s": 1.0}]
     events = [{"kind": HOSTILE, "text": HOSTILE, "wall_s": HOSTILE}]
-    shown = head(state, row) + stage_cards([HOSTILE, HOSTILE], learned, state) + number_cards(row) + event_list(events)
+    shown = (
+        head(state, row) + stage_cards([HOSTILE, HOSTILE], learned, state, row) + number_cards(row) + event_list(events)
+    )
     assert "<img" not in shown
     assert "&lt;img" in shown
 

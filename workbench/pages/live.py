@@ -13,7 +13,6 @@ from sim.errors import SubMasError
 from sim.scenario import load_scenario
 from sim.task import Task
 from workbench.context import AppContext
-from workbench.launcher import drain
 from workbench.pages.address import read_query, write_query
 from workbench.pages.live_cards import LIVE_CSS, event_list, head, number_cards, stage_cards
 from workbench.pages.live_curves import LiveCurves
@@ -71,19 +70,19 @@ class LivePage:
         self._progress = pmui.LinearProgress(value=0, sizing_mode="stretch_width", margin=0, height=8)
         self._alert = pmui.Alert(object="", visible=False, severity="warning", margin=0, sizing_mode="stretch_width")
         self._curves = LiveCurves()
-        self._waiting = pn.pane.HTML("The curves begin with the first finished epoch.", stylesheets=[LIVE_CSS], margin=0)
+        self._waiting = pn.pane.HTML(
+            "The curves begin with the first finished epoch.", stylesheets=[LIVE_CSS], margin=0
+        )
 
-    def _pane(self) -> pn.pane.HTML:
-        return pn.pane.HTML("", stylesheets=[LIVE_CSS], sizing_mode="stretch_width", margin=0)
+    def _pane(self, text: str = "") -> pn.pane.HTML:
+        return pn.pane.HTML(text, stylesheets=[LIVE_CSS], sizing_mode="stretch_width", margin=0)
 
     def _arrange(self) -> pn.viewable.Viewable:
+        curves = _column("1 1 640px", "0", _panel(self._waiting, self._curves.layout))
+        events = _column("0 1 330px", "240px", _panel(self._events))
         self._run_views = pn.Column(
             _panel(self._html["head"], self._progress, self._html["stages"], self._html["numbers"]),
-            pn.FlexBox(
-                pmui.Column(_panel(self._waiting, self._curves.layout), margin=0, styles={"flex": "1 1 700px", "min-width": "0"}),
-                pmui.Column(_panel(self._events), margin=0, styles={"flex": "1 1 260px", "min-width": "0"}),
-                gap="12px", sizing_mode="stretch_width", margin=0,
-            ),
+            pn.FlexBox(curves, events, gap="12px", sizing_mode="stretch_width", margin=0),
             sizing_mode="stretch_width", margin=0, styles={"gap": "12px"},
         )  # fmt: skip
         controls = pmui.Row(self._picker, self._fly, self._stop, margin=0, sx={"gap": "12px", "alignItems": "center"})
@@ -138,7 +137,6 @@ class LivePage:
     def _tick(self) -> None:
         self._ticks += 1
         if self._ticks % LIST_EVERY == 0:
-            drain(self._store)
             self._list_runs()
         if self._watch is not None and self._watch.look():
             self._show(self._watch)
@@ -151,7 +149,7 @@ class LivePage:
             return
         row = watch.rows[-1] if watch.rows else None
         self._html["head"].object = head(state, row)
-        self._html["stages"].object = stage_cards(stage_tasks(config), summarise(watch.rows), state)
+        self._html["stages"].object = stage_cards(stage_tasks(config), summarise(watch.rows), state, row)
         self._html["numbers"].object = number_cards(row)
         self._events.object = event_list(watch.events)
         self._progress.value = round(100 * state.progress)
@@ -194,6 +192,10 @@ def stage_tasks(config: TrainingConfig) -> list[str]:
     target = Task(load_scenario(config.scenario))
     counts = range(1, config.missiles + 1) if config.curriculum else [config.missiles]
     return [target.mask(missile for missile in target.missiles if missile > count).name for count in counts]
+
+
+def _column(flex: str, narrowest: str, panel: pmui.Paper) -> pmui.Column:
+    return pmui.Column(panel, margin=0, styles={"flex": flex, "min-width": narrowest})
 
 
 def _panel(*parts: Any) -> pmui.Paper:

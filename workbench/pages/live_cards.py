@@ -49,11 +49,12 @@ LIVE_CSS = """
 .error { color: #e5414d; font-weight: 600; flex-basis: 100%; overflow-wrap: anywhere }
 .stages { display: flex; gap: 10px; flex-wrap: wrap }
 .stage { flex: 1 1 150px; border-radius: 10px; padding: 8px 12px; border: 1.5px solid var(--ink);
-  background: color-mix(in srgb, var(--ink) 12%, transparent) }
+  background: linear-gradient(var(--ink) 0 0) 0 100%/var(--share, 0) 4px no-repeat,
+  color-mix(in srgb, var(--ink) 12%, transparent) }
 .stage b { display: block; font-size: 14.5px }
 .stage .big { font-size: 20px; font-weight: 700; font-variant-numeric: tabular-nums }
 .stage.waiting { border-style: dashed; opacity: .6 }
-.numbers { display: grid; grid-template-columns: repeat(auto-fit, minmax(96px, 1fr)); gap: 8px 14px; margin: 0 }
+.numbers { display: grid; grid-template-columns: repeat(auto-fit, minmax(82px, 1fr)); gap: 8px 14px; margin: 0 }
 .numbers div { display: flex; flex-direction: column-reverse }
 .numbers dt { font-size: 12px; opacity: .7; white-space: nowrap }
 .numbers dd { margin: 0; font-size: 18px; font-weight: 650; font-variant-numeric: tabular-nums; white-space: nowrap }
@@ -88,33 +89,41 @@ def _left(state: RunState) -> str:
     return f", at most {duration(state.eta_s)} left" if state.state == "running" and state.eta_s is not None else ""
 
 
-def stage_cards(tasks: Sequence[str], learned: Sequence[Row], state: RunState) -> str:
+def stage_cards(tasks: Sequence[str], learned: Sequence[Row], state: RunState, row: Row | None) -> str:
     """One chip per stage: its task, the best held-out success so far, its epochs and its time.
 
     Args:
         tasks: names of the tasks of all stages, in order.
-        learned: what each begun stage has reached, as `stage_summaries` has it.
+        learned: what each begun stage has reached, as `workbench.stages.summarise` has it.
         state: how the run stands.
+        row: the latest metrics row.
     """
-    chips = []
-    for number, task in enumerate(tasks):
-        if number >= len(learned):
-            begun = state.state == "running" and number == len(learned)
-            chips.append(_stage("running" if begun else "waiting", POLICY_A if begun else NEUTRAL, task, "–", "waits"))
-            continue
-        stage = learned[number]
-        last = number == len(learned) - 1
-        ink = STATE_COLOURS[state.state] if last else SUCCESS
-        epochs = f"{stage['epochs']} epoch{'s' * (stage['epochs'] != 1)} · {duration(stage['wall_s'])}"
-        chips.append(_stage("begun", ink, str(stage["task"]), percent(stage["success_rate"]), epochs))
+    chips = [_begun(stage, SUCCESS) for stage in learned[:-1]]
+    if learned and row is not None:
+        chips.append(_latest(learned[-1], state, row))
+    elif state.state == "running" and tasks:
+        chips.append(_stage("begun", POLICY_A, tasks[0], "–", "first epoch"))
+    chips += [_stage("waiting", NEUTRAL, task, "–", "waits") for task in tasks[len(chips) :]]
     return f'<div class="stages">{"".join(chips)}</div>'
 
 
-def _stage(kind: str, ink: str, task: str, success: str, words: str) -> str:
-    quiet = "learning" if kind == "running" else words
+def _begun(stage: Row, ink: str, left: str = "", share: float = 1.0) -> str:
+    epochs = f"{stage['epochs']} epoch{'s' * (stage['epochs'] != 1)} · {duration(stage['wall_s'])}{left}"
+    return _stage("begun", ink, str(stage["task"]), percent(stage["success_rate"]), epochs, share)
+
+
+def _latest(stage: Row, state: RunState, row: Row) -> str:
+    share = min(row["epoch"] / max(row["epochs"], 1), 1.0)
+    if state.state != "running":
+        return _begun(stage, STATE_COLOURS[state.state], share=1.0 if state.state == "finished" else share)
+    left_s = stage["wall_s"] / max(row["epoch"], 1) * (row["epochs"] - row["epoch"])
+    return _begun(stage, POLICY_A, f", at most {duration(left_s)} left", share)
+
+
+def _stage(kind: str, ink: str, task: str, success: str, words: str, share: float = 0.0) -> str:
     return (
-        f'<div class="stage {kind}" style="--ink: {ink}"><b>{html.escape(task)}</b>'
-        f'<span class="big">{success}</span> <span class="quiet">{quiet}</span></div>'
+        f'<div class="stage {kind}" style="--ink: {ink}; --share: {share:.1%}"><b>{html.escape(task)}</b>'
+        f'<span class="big">{success}</span> <span class="quiet">{words}</span></div>'
     )
 
 

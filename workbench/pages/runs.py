@@ -10,7 +10,6 @@ import panel_material_ui as pmui
 
 from sim.errors import SubMasError
 from workbench.context import AppContext
-from workbench.launcher import drain
 from workbench.pages.address import read_query, write_query
 from workbench.pages.runs_table import COLUMNS, describe, runs_frame, runs_table
 from workbench.runs import Run
@@ -99,7 +98,6 @@ class RunsPage:
         return [(run.id, run.problem, run.signature()) for run in self._runs]
 
     def _tick(self) -> None:
-        drain(self._store)
         self._runs = self._store.list()
         seen = self._signatures()
         if seen != self._seen:
