@@ -40,7 +40,7 @@ def _collect(clock: Clock, steps: int, **changes: object) -> tuple[Stage, Traini
     collector = Collector(stage)
     for _ in range(steps):
         collector.step(state)
-    return stage, state, state.replay.batch(state.replay.rows[: state.replay.size])
+    return stage, state, state.replay.batch(torch.arange(state.replay.size)[:, None], stage.hyper.gamma)
 
 
 @pytest.mark.parametrize("terminates", [False, True])
@@ -52,7 +52,7 @@ def test_no_transition_mixes_two_episodes_and_ends_are_stored_as_what_they_are(t
     assert torch.equal(step + 1, next_step)
     last = next_step == 8
     assert last.sum() == 16 * 5  # every lane ends once in eight steps, and nothing is lost
-    assert torch.equal(batch.terminated.bool(), last & terminates)
+    assert torch.equal(batch.discount == 0.0, last & terminates)
 
 
 def test_every_lane_gets_noise_of_its_own() -> None:
@@ -97,7 +97,7 @@ def test_values_pass_through_truncation_and_stop_at_termination(terminates: bool
         two_returns=False,
         layer_norm=False,
     )
-    for batch in state.replay.minibatches(1200, 64, torch.Generator().manual_seed(0)):
+    for batch in state.replay.minibatches(1200, 64, 1, 0.9, torch.Generator().manual_seed(0)):
         state.learner.update(batch, alpha=0.0)
     value = state.learner.critics.first(torch.zeros((1, 2)), torch.zeros((1, 1))).item()
     assert low < value < high

@@ -1,45 +1,89 @@
-"""The replay: a ring that loses nothing but the oldest, and keeps both rewards apart."""
+"""The replay: a ring that loses nothing but the oldest, keeps both rewards apart, and sums steps within an episode."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import torch
 
-from agents.replay import Replay
+from agents.replay import Batch, Replay
+
+LANES = 2
 
 
-def _add(replay: Replay, first: int, count: int) -> None:
-    ids = np.arange(first, first + count, dtype=np.float32)
-    replay.add(ids[:, None], ids[:, None] / 1000, ids * 10, -ids, ids.astype(int) % 2 == 1, ids[:, None] + 0.5)
+def _add(replay: Replay, slot: int, terminated: bool = False, truncated: bool = False) -> None:
+    """One step of two lanes; lane 1 has a thousand more in every number. Only lane 0 may end."""
+    ids = slot + 1000.0 * np.arange(LANES, dtype=np.float32)
+    ends, over = np.array([terminated, False]), np.array([terminated or truncated, False])
+    replay.add(ids[:, None], ids[:, None] / 10_000, ids * 10, -ids, ends, over, ids[:, None] + 0.5)
+
+
+def _filled(capacity: int, slots: int) -> Replay:
+    replay = Replay(capacity, LANES, 1)
+    for slot in range(slots):
+        _add(replay, slot)
+    return replay
+
+
+def _path(replay: Replay, row: int, steps: int, gamma: float = 0.5) -> Batch:
+    return replay.batch(torch.tensor([[row + LANES * step for step in range(steps)]]), gamma)
 
 
 def test_every_column_comes_back_by_its_name() -> None:
-    replay = Replay(8, 1)
-    _add(replay, 1, 3)
-    batch = replay.batch(replay.rows[:3])
-    assert batch.features.flatten().tolist() == [1, 2, 3]
-    torch.testing.assert_close(batch.action, torch.tensor([[0.001], [0.002], [0.003]]))
-    assert batch.reward.tolist() == [10, 20, 30]
-    assert batch.imitation.tolist() == [-1, -2, -3]
-    assert batch.terminated.tolist() == [1, 0, 1]
-    assert batch.next_features.flatten().tolist() == [1.5, 2.5, 3.5]
+    batch = _path(_filled(20, 3), row=3, steps=1)
+    assert batch.features.tolist() == [[1001.0]]
+    assert batch.action.item() == pytest.approx(0.1001)
+    assert batch.reward.tolist() == [10_010.0] and batch.imitation.tolist() == [-1001.0]
+    assert batch.discount.tolist() == [0.5] and batch.next_features.tolist() == [[1001.5]]
 
 
-def test_the_oldest_make_room_across_the_end_of_the_ring() -> None:
-    replay = Replay(10, 1)
-    for first in (0, 4, 8):
-        _add(replay, first, 4)
-    assert replay.size == 10 and replay.next_row == 2
-    kept = sorted(replay.batch(replay.rows).features.flatten().tolist())
-    assert kept == list(range(2, 12))
+def test_several_steps_are_summed_and_discounted() -> None:
+    batch = _path(_filled(20, 5), row=2, steps=3)
+    # Slots 1, 2, 3 of lane 0: 10 + 20 / 2 + 30 / 4, and what follows slot 3 counts an eighth.
+    assert batch.reward.tolist() == [27.5] and batch.imitation.tolist() == [-2.75]
+    assert batch.discount.tolist() == [0.125] and batch.next_features.tolist() == [[3.5]]
+    assert batch.features.tolist() == [[1.0]]
 
 
-def test_batches_are_independent_and_cover_only_what_is_stored() -> None:
-    replay = Replay(1000, 1)
-    _add(replay, 0, 50)
-    batches = list(replay.minibatches(20, 64, torch.Generator().manual_seed(0)))
+@pytest.mark.parametrize(("terminated", "discount"), [(True, 0.0), (False, 0.25)])
+def test_a_sum_stops_where_its_episode_does(terminated: bool, discount: float) -> None:
+    replay = Replay(20, LANES, 1)
+    for slot in range(5):
+        _add(replay, slot, terminated=slot == 2 and terminated, truncated=slot == 2 and not terminated)
+    batch = _path(replay, row=2, steps=3)
+    assert batch.reward.tolist() == [20.0]  # 10 + 20 / 2, nothing of the next episode
+    assert batch.discount.tolist() == [discount] and batch.next_features.tolist() == [[2.5]]
+    assert _path(replay, row=3, steps=3).next_features.tolist() == [[1003.5]]  # the other lane goes on
+
+
+def test_the_oldest_slots_make_room() -> None:
+    replay = _filled(8, 6)
+    assert replay.size == 8 and replay.next_slot == 2
+    assert sorted(replay.rows[:, 0].tolist()) == [2, 3, 4, 5, 1002, 1003, 1004, 1005]
+
+
+@pytest.mark.parametrize("slots", [6, 10, 13, 27])
+def test_no_sum_runs_from_the_newest_slot_into_the_oldest(slots: int) -> None:
+    replay = _filled(20, slots)
+    drawn = torch.cat(
+        [batch.next_features - batch.features for batch in replay.minibatches(20, 64, 3, 0.9, _generator())]
+    )
+    assert torch.equal(drawn, torch.full_like(drawn, 2.5))  # always three consecutive steps of one lane
+
+
+def test_batches_are_independent_and_cover_all_that_is_complete() -> None:
+    replay = _filled(1000, 30)
+    batches = list(replay.minibatches(20, 64, 4, 0.9, _generator()))
     assert len(batches) == 20 and all(len(batch.features) == 64 for batch in batches)
     assert not torch.equal(batches[0].features, batches[1].features)
-    drawn = torch.cat([batch.features for batch in batches]).flatten()
-    assert set(drawn.tolist()) == set(range(50))
-    assert abs(drawn.mean().item() - 24.5) < 1.5
+    drawn = {value % 1000 for batch in batches for value in batch.features.flatten().tolist()}
+    assert drawn == set(range(27))
+
+
+def test_fewer_slots_than_steps_are_enough_to_begin() -> None:
+    (batch,) = _filled(100, 2).minibatches(1, 16, 10, 0.5, _generator())
+    assert set(batch.next_features.flatten().tolist()) == {1.5, 1001.5}
+
+
+def _generator() -> torch.Generator:
+    return torch.Generator().manual_seed(0)

@@ -36,7 +36,7 @@ def _learn(make: Callable[[torch.Generator], Batch], updates: int = 600, **chang
 def _batch(state: torch.Tensor, action: torch.Tensor, reward: torch.Tensor, ends: float, after: float = 0.0) -> Batch:
     zero = torch.zeros(ROWS)
     following = torch.full((ROWS, 1), after)
-    return Batch(state, action, reward.reshape(ROWS), zero, zero + ends, following)
+    return Batch(state, action, reward.reshape(ROWS), zero, zero + HYPER.gamma * (1.0 - ends), following)
 
 
 def _action(generator: torch.Generator) -> torch.Tensor:
@@ -68,7 +68,7 @@ def test_a_reward_one_step_later_is_discounted_once() -> None:
         state = torch.where(first, -1.0, 1.0)
         zero = torch.zeros(ROWS)
         return Batch(
-            state, _action(generator), (~first).float()[:, 0], zero, (~first).float()[:, 0], torch.ones((ROWS, 1))
+            state, _action(generator), (~first).float()[:, 0], zero, 0.9 * first.float()[:, 0], torch.ones((ROWS, 1))
         )
 
     learner = _learn(make)
@@ -103,7 +103,7 @@ def test_with_two_returns_alpha_decides_between_reward_and_imitation_without_rel
     def make(generator: torch.Generator) -> Batch:
         action, zero = _action(generator), torch.zeros(ROWS)
         state = torch.zeros((ROWS, 1))
-        return Batch(state, action, action[:, 0] * 0.5, -(action + 0.5).abs()[:, 0], zero + 1.0, state)
+        return Batch(state, action, action[:, 0] * 0.5, -(action + 0.5).abs()[:, 0], zero, state)
 
     learner = _learn(make, two_returns=True)
     values = learner.critics.first(torch.zeros((1, 1)), torch.tensor([[0.5]]))[0]

@@ -31,7 +31,9 @@ def _batches(count: int) -> list[Batch]:
     def batch() -> Batch:
         ends = (torch.rand(ROWS, generator=g) < 0.1).float()
         action = draw(ROWS, 1).clamp(-1, 1)
-        return Batch(draw(ROWS, FEATURES), action, draw(ROWS), -draw(ROWS).abs(), ends, draw(ROWS, FEATURES))
+        return Batch(
+            draw(ROWS, FEATURES), action, draw(ROWS), -draw(ROWS).abs(), 0.99 * (1.0 - ends), draw(ROWS, FEATURES)
+        )
 
     return [batch() for _ in range(count)]
 

@@ -40,7 +40,7 @@ def test_lines_4_to_9_store_what_happened() -> None:
     before = state.observation.copy()
     Collector(stage).step(state)
     features = POINT_ROBOT.features(stage.task.layout)
-    batch = state.replay.batch(state.replay.rows[: state.replay.size])
+    batch = state.replay.batch(torch.arange(state.replay.size)[:, None], stage.hyper.gamma)
     np.testing.assert_array_equal(batch.features.numpy(), features.encode(before))
     # D compares the executed action, in action units, with the guide's: no obstacle is in sight at the start.
     executed = batch.action.numpy() * POINT_ROBOT.action_limit

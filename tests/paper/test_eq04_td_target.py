@@ -9,12 +9,12 @@ from agents.td3 import clipped_double_q, td_target
 
 def test_hand_computed_target() -> None:
     reward = torch.tensor([[1.0], [1.0]])
-    terminated = torch.tensor([0.0, 1.0])
+    discount = torch.tensor([0.9, 0.0])
     first, second = torch.tensor([[10.0], [10.0]]), torch.tensor([[8.0], [12.0]])
     value = clipped_double_q(first, second, torch.tensor([1.0]))
     assert value.tolist() == [[8.0], [10.0]]
     # 1 + 0.9 * 8; after a terminal state comes nothing.
-    torch.testing.assert_close(td_target(reward, terminated, value, 0.9), torch.tensor([[8.2], [1.0]]))
+    torch.testing.assert_close(td_target(reward, discount, value), torch.tensor([[8.2], [1.0]]))
 
 
 def test_two_returns_come_from_the_critic_whose_weighted_sum_is_smaller() -> None:
