@@ -18,6 +18,7 @@ from layouts.scene import EXAGGERATION, TAIL_POINTS, TAIL_S
 from layouts.theme import DARK, GATE, INTERCEPTOR, Rgb, missile_colour, rgb
 from sim.scenario import Battlefield
 from sim.trajectory import Trajectory
+from sim.world import Outcome
 
 APPLICATION = "submas-workbench"
 """No dot in it: Rerun would rename the application."""
@@ -25,6 +26,7 @@ APPLICATION = "submas-workbench"
 CLOCK = "sim_time"
 TRACK_EVERY_S = 0.5
 ORIGIN = np.zeros(3)
+HIDDEN = rrb.PlotLegend(visible=False)
 
 
 def log_flight(recording: rr.RecordingStream, prefix: str, flight: Trajectory, colour: str) -> None:
@@ -41,14 +43,18 @@ def log_flight(recording: rr.RecordingStream, prefix: str, flight: Trajectory, c
     _log_events(recording, f"{prefix}/events", flight)
 
 
-def compare_blueprint(titles: Mapping[str, str]) -> rrb.Blueprint:
+def compare_blueprint(titles: Mapping[str, str], duration_s: float) -> rrb.Blueprint:
     """One column per prefix: the engagement above, its azimuth and range curves below; panels hidden, paused.
 
     Args:
         titles: words for each prefix, left to right.
+        duration_s: length of the longest flight, which the curves show [s].
     """
+    span = _whole(duration_s)
     columns = [
-        rrb.Vertical(_space_view(prefix, title), _azimuth_view(prefix), _range_view(prefix), row_shares=[3, 1.4, 1.4])
+        rrb.Vertical(
+            _space_view(prefix, title), _azimuth_view(prefix, span), _range_view(prefix, span), row_shares=[3, 1.4, 1.4]
+        )
         for prefix, title in titles.items()
     ]
     clock = rrb.TimePanel(state="collapsed", timeline=CLOCK, playback_speed=10.0, play_state="paused", loop_mode="off")
@@ -63,7 +69,7 @@ def compare_blueprint(titles: Mapping[str, str]) -> rrb.Blueprint:
 def _space_view(prefix: str, title: str) -> rrb.Spatial3DView:
     eye = rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
-        position=(-30.0, -170.0, 130.0),
+        position=(-20.0, -140.0, 112.0),
         look_target=(0.0, -8.0, 8.0),
         eye_up=(0, 0, 1),
     )
@@ -77,17 +83,20 @@ def _space_view(prefix: str, title: str) -> rrb.Spatial3DView:
     )
 
 
-def _azimuth_view(prefix: str) -> rrb.TimeSeriesView:
+def _azimuth_view(prefix: str, span: rrb.TimeAxis) -> rrb.TimeSeriesView:
     axis = rrb.ScalarAxis(range=(-180.0, 180.0), zoom_lock=True)
-    legend = rrb.PlotLegend(visible=False)
     return rrb.TimeSeriesView(
-        origin=f"/{prefix}/azimuth", name="missile azimuth [deg]", axis_y=axis, plot_legend=legend
+        origin=f"/{prefix}/azimuth", name="missile azimuth [deg]", axis_x=span, axis_y=axis, plot_legend=HIDDEN
     )
 
 
-def _range_view(prefix: str) -> rrb.TimeSeriesView:
-    legend = rrb.PlotLegend(visible=False)
-    return rrb.TimeSeriesView(origin=f"/{prefix}/range", name="range [km]", plot_legend=legend)
+def _range_view(prefix: str, span: rrb.TimeAxis) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(origin=f"/{prefix}/range", name="range [km]", axis_x=span, plot_legend=HIDDEN)
+
+
+def _whole(duration_s: float) -> rrb.TimeAxis:
+    ends = [rr.TimeRangeBoundary.absolute(seconds=seconds) for seconds in (0.0, duration_s)]
+    return rrb.TimeAxis(view_range=rr.TimeRange(start=ends[0], end=ends[1]))
 
 
 def _clock(time_s: NDArray[np.floating]) -> list[rr.TimeColumn]:
@@ -108,16 +117,14 @@ def _log_field(recording: rr.RecordingStream, path: str, field: Battlefield) -> 
 
 
 def _log_body(recording: rr.RecordingStream, path: str, flight: Trajectory, name: str, ink: Rgb) -> None:
-    track = dict(named_tracks(flight))[name]
-    body = motion(track, flight.time_s, EXAGGERATION, ORIGIN)
+    body = motion(dict(named_tracks(flight))[name], flight.time_s, EXAGGERATION, ORIGIN)
     if not body.flies:
         return
-    every = (
-        max(1, round(TRACK_EVERY_S / max(float(np.median(np.diff(body.time_s))), 1e-6))) if len(body.time_s) > 1 else 1
-    )
-    times, points = body.time_s[::every], body.position_km[::every]
-    point = rr.Points3D.from_fields(colors=[ink], radii=[rr.Radius.ui_points(6.0)], labels=[name.replace("_", " ")])
-    recording.log(path, point, static=True)
+    times = np.arange(body.time_s[0], body.time_s[-1], TRACK_EVERY_S)
+    points = body.position(times)
+    # Names of missiles would cover each other; their colours tell them apart.
+    label = {} if name.startswith("missile") else {"labels": [name]}
+    recording.log(path, rr.Points3D.from_fields(colors=[ink], radii=[rr.Radius.ui_points(6.0)], **label), static=True)
     recording.send_columns(path, _clock(times), rr.Points3D.columns(positions=points))
     whole = rr.LineStrips3D([points], colors=[(*ink, 90)], radii=rr.Radius.ui_points(0.8))
     recording.log(f"{path}_path", whole, static=True)
@@ -125,7 +132,8 @@ def _log_body(recording: rr.RecordingStream, path: str, flight: Trajectory, name
     line = rr.LineStrips3D.from_fields(colors=[ink], radii=[rr.Radius.ui_points(2.0)])
     recording.log(f"{path}_tail", line, static=True)
     recording.send_columns(f"{path}_tail", _clock(times), rr.LineStrips3D.columns(strips=tails))
-    if times[-1] < flight.time_s[-1] - 1.0:
+    shot = name == "evader" and flight.outcome is Outcome.SHOT_DOWN
+    if shot or body.time_s[-1] < flight.time_s[-1] - TRACK_EVERY_S:
         recording.set_time(CLOCK, duration=float(times[-1]) + TRACK_EVERY_S)
         recording.log(path, rr.Clear(recursive=False))
         recording.log(f"{path}_tail", rr.Clear(recursive=False))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -27,12 +28,11 @@ CURSOR_TAG = "clock-cursor"
 CLOCK_EVENT = "flight-clock"
 """Browser event a click on a curve sends; its detail is the time [s]."""
 
-_CSV_ICON = (
-    "data:image/svg+xml;utf8,<svg xmlns='http://www.w3.org/2000/svg' width='24' height='24' "
-    "viewBox='0 0 24 24'>"
-    "<path fill='none' stroke='%237d8794' stroke-width='1.7' "
-    "d='M6 3h8l4 4v14H6z M14 3v5h4 M9 12h6 M9 15h6 M9 18h6'/></svg>"
+_CSV_SHAPE = (
+    b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 24 24'><path fill='none' stroke='#7d8794' "
+    b"stroke-width='1.7' d='M6 3h8l4 4v14H6z M14 3v5h4 M9 12h6 M9 15h6 M9 18h6'/></svg>"
 )
+_CSV_ICON = "data:image/svg+xml;base64," + base64.b64encode(_CSV_SHAPE).decode()
 
 _CSV_CODE = """
 const names = sources.flatMap((s) => Object.keys(s.data));
@@ -90,7 +90,7 @@ class FlightChart:
 def chart(y_label: str, height: int = 240, x_range: Range1d | None = None, y_range: Range1d | None = None) -> figure:
     """An empty figure over time [s] with title, cursor, tap and save; ranges may be shared to link figures."""
     fig = figure(
-        title=" ", height=height, sizing_mode="stretch_width", tools="xpan,xwheel_zoom,box_zoom,reset,save,tap",
+        title=" ", height=height, sizing_mode="stretch_width", tools="xpan,xwheel_zoom,box_zoom,reset,save",
         x_axis_label="time [s]", y_axis_label=y_label, min_border_right=12, active_drag=None,
         x_range=x_range or Range1d(0.0, 1.0), y_range=y_range or Range1d(0.0, 1.0),
     )  # fmt: skip
@@ -107,6 +107,7 @@ def plain(fig: figure) -> None:
     """No logo, no frame, and a toolbar only while the pointer is over the figure."""
     fig.toolbar.logo = None
     fig.toolbar.autohide = True
+    fig.toolbar_location = "above"  # beside the title: on the right, low figures have no room for all of it
     fig.outline_line_color = None
 
 

@@ -72,8 +72,9 @@ def write_recording(path: Path, flights: Mapping[str, Trajectory]) -> None:
     with path.open("wb"):  # Rerun only warns when it cannot write
         pass
     titles = dict(zip(PREFIXES, flights, strict=False))
+    longest_s = max(flight.duration_s for flight in flights.values())
     recording = rr.RecordingStream(APPLICATION, recording_id=_digest(flights))
-    recording.save(path, default_blueprint=compare_blueprint(titles))
+    recording.save(path, default_blueprint=compare_blueprint(titles, longest_s))
     for number, (prefix, title) in enumerate(titles.items()):
         log_flight(recording, prefix, flights[title], evader_colour(number))
     recording.flush()

@@ -43,11 +43,11 @@ class Pair:
     @property
     def engagement_s(self) -> tuple[float, float]:
         """From shortly before the first launch of either flight to shortly after its last missile has ended."""
-        missiles = [m for m in (*self.a.missiles, *self.b.missiles) if math.isfinite(m.launch_s)]
-        if not missiles:
+        flown = [(m, f) for f in (self.a, self.b) for m in f.missiles if math.isfinite(m.launch_s)]
+        if not flown:
             return 0.0, self.duration_s
-        ends = [m.end_s if math.isfinite(m.end_s) else self.duration_s for m in missiles]
-        return max(min(m.launch_s for m in missiles) - LEAD_S, 0.0), min(max(ends) + LEAD_S, self.duration_s)
+        ends = [m.end_s if math.isfinite(m.end_s) else flight.duration_s for m, flight in flown]
+        return max(min(m.launch_s for m, _ in flown) - LEAD_S, 0.0), min(max(ends) + LEAD_S, self.duration_s)
 
 
 @dataclass(frozen=True)

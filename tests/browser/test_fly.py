@@ -1,0 +1,59 @@
+"""The Fly page as a person uses it."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+from tests.conftest import Served
+
+SLOW_MS = 90_000
+
+
+def _open(visitor: Page, served: Served, query: str = "") -> None:
+    visitor.goto(f"{served.address}/fly{query}")
+    expect(visitor.locator(".card.exit, .card.failed")).to_have_count(2, timeout=SLOW_MS)
+
+
+def test_both_flights_are_told_of_and_drawn(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?seed=7")
+    expect(visitor.locator(".events button").first).to_be_visible()
+    expect(visitor.locator(".cover.gone")).to_have_count(1, timeout=SLOW_MS)
+    assert "seed=7" in visitor.url
+
+
+def test_an_event_moves_the_clock_and_the_address(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?seed=7")
+    row = visitor.locator(".events button.launch").first
+    when = row.locator(".when").inner_text()
+    row.click()
+    expect(visitor.locator(".clock .now")).to_have_text(when)
+    expect(visitor).to_have_url(re.compile(r"[?&]t=[1-9]"), timeout=SLOW_MS)
+
+
+def test_masking_a_missile_flies_again_and_changes_the_address(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?seed=7")
+    visitor.get_by_role("button", name="Missile 4", exact=True).click()
+    expect(visitor.locator(".card", has_text="of 3")).to_have_count(2, timeout=SLOW_MS)
+    expect(visitor).to_have_url(re.compile("mask=4"), timeout=SLOW_MS)
+
+
+def test_a_wrong_address_is_one_sentence_and_flies_anyway(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?a=<b>nobody</b>&seed=x")
+    expect(visitor.get_by_text("Policy '<b>nobody</b>' is not known here")).to_be_visible()
+    expect(visitor.get_by_text("Seed 'x' is not a whole number")).to_be_visible()
+
+
+def test_playing_moves_the_clock(visitor: Page, served: Served) -> None:
+    _open(visitor, served)
+    visitor.get_by_role("button", name="Play or pause").click()
+    expect(visitor.locator(".clock .now")).not_to_have_text("0:00", timeout=SLOW_MS)
+
+
+def test_figures_can_be_taken_home(visitor: Page, served: Served) -> None:
+    _open(visitor, served)
+    visitor.locator(".bk-Figure").first.hover()
+    with visitor.expect_download(timeout=SLOW_MS) as download:
+        visitor.locator("[title='Download CSV']").first.click()
+    assert download.value.suggested_filename == "azimuth.csv"
