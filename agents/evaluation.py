@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -192,6 +193,27 @@ def wilson_interval(successes: int, trials: int, z: float = WILSON_Z) -> tuple[f
     half = z / (1 + z * z / trials) * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
     # At the ends the formula is exact up to rounding: 0 of n starts at 0, n of n ends at 1.
     return (centre - half if successes else 0.0), (centre + half if successes < trials else 1.0)
+
+
+def pooled(parts: Sequence[Evaluation]) -> Evaluation:
+    """One evaluation out of several of the same policy, task and seed, on different episodes."""
+    episodes = sum(part.episodes for part in parts)
+
+    def mean(name: str) -> float:
+        return sum(getattr(part, name) * part.episodes for part in parts) / episodes
+
+    rate = mean("success_rate")
+    return dataclasses.replace(
+        parts[0],
+        episodes=episodes,
+        success_rate=rate,
+        success_ci95=wilson_interval(round(rate * episodes), episodes),
+        mean_return=mean("mean_return"),
+        mean_length_s=mean("mean_length_s"),
+        outcomes={name: sum(part.outcomes[name] for part in parts) for name in parts[0].outcomes},
+        missiles_evaded_mean=mean("missiles_evaded_mean"),
+        results=None,
+    )
 
 
 def _summary(

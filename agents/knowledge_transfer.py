@@ -9,7 +9,7 @@ from agents.collection import Collector
 from agents.evaluation import Evaluation
 from agents.metrics import epoch_row
 from agents.policy import NetworkPolicy
-from agents.promotion import current_policy, evaluate_held_out, is_better, promotion_reason
+from agents.promotion import current_policy, examine, is_better, promotion_reason
 from agents.recorder import Recorder
 from agents.stage import Stage
 from agents.training_state import EpochCounts, TrainingState, start_stage
@@ -61,8 +61,7 @@ def evaluate_epoch(stage: Stage, state: TrainingState, recorder: Recorder) -> Ev
     evaluation = None
     if state.epoch % hyper.evaluate_every == 0 or state.epoch == hyper.epochs:
         policy = current_policy(stage, state)
-        evaluation = state.evaluation = evaluate_held_out(stage, state, policy)
-        state.passes = state.passes + 1 if evaluation.success_rate >= hyper.promotion_success else 0
+        evaluation = state.evaluation = examine(stage, state, policy)
         if is_better(evaluation, state.best_evaluation):
             keep_best(stage, state, recorder, policy, evaluation)
     if hyper.beta_source == "training" and state.finished:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from agents.evaluation import Evaluation, evaluate
+from agents.evaluation import Evaluation, evaluate, pooled
 from agents.hyperparameters import Hyperparameters
 from agents.policy import NetworkPolicy
 from agents.stage import Stage
@@ -36,6 +36,23 @@ def evaluate_held_out(stage: Stage, state: TrainingState, policy: NetworkPolicy)
     return evaluation
 
 
+def examine(stage: Stage, state: TrainingState, policy: NetworkPolicy) -> Evaluation:
+    """Evaluate a policy; while it is good enough for promotion, again on fresh episodes, up to the configured times.
+
+    The policy itself is confirmed, not its successor: an actor that still learns swings from one epoch to the next.
+
+    Returns:
+        All episodes flown, pooled.
+    """
+    hyper = stage.hyper
+    flown = [evaluate_held_out(stage, state, policy)]
+    while flown[-1].success_rate >= hyper.promotion_success and len(flown) < hyper.promotion_evaluations:
+        flown.append(evaluate_held_out(stage, state, policy))
+    rates = tuple(evaluation.success_rate for evaluation in flown)
+    state.passes = tuple(rate for rate in rates if rate >= hyper.promotion_success)
+    return pooled(flown)
+
+
 def is_better(new: Evaluation, best: Evaluation | None) -> bool:
     """More successes, or as many with a higher return."""
     if best is None:
@@ -46,12 +63,12 @@ def is_better(new: Evaluation, best: Evaluation | None) -> bool:
 def promotion_reason(state: TrainingState, hyper: Hyperparameters) -> str:
     """Why the stage is passed, as a sentence; empty while it is not.
 
-    A stage is passed after `promotion_evaluations` held-out evaluations in a row with success at or above
-    `promotion_success`. One would do by luck once in a while; the swings of an actor that still learns are wide.
+    A stage is passed when `promotion_evaluations` held-out evaluations of one policy, each on fresh episodes, all
+    show success at or above `promotion_success`. One alone would do by luck once in a while.
     """
-    if state.passes < hyper.promotion_evaluations or state.evaluation is None:
+    if len(state.passes) < hyper.promotion_evaluations:
         return ""
     return (
-        f"{state.passes} held-out evaluations of {state.evaluation.episodes} episodes in a row with success "
-        f"of at least {hyper.promotion_success:.1%}, the last {state.evaluation.success_rate:.1%}"
+        f"{len(state.passes)} held-out evaluations of {hyper.evaluation_episodes} episodes with success of at least "
+        f"{hyper.promotion_success:.1%}: {', '.join(f'{rate:.1%}' for rate in state.passes)}"
     )

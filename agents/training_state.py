@@ -15,6 +15,7 @@ from agents.replay import Replay
 from agents.stage import Stage
 from agents.task import BoolArray, FloatArray
 from agents.td3 import Td3
+from agents.td3_fast import FastTd3
 
 TRAINING_WINDOW = 100
 """Training episodes that the training success rate looks back on."""
@@ -74,8 +75,8 @@ class TrainingState:
     """Latest held-out evaluation."""
     evaluated_episodes: int = 0
     """Held-out episodes used so far; every evaluation takes fresh ones."""
-    passes: int = 0
-    """Consecutive held-out evaluations good enough for promotion."""
+    passes: tuple[float, ...] = ()
+    """Success rates of the latest policy's held-out evaluations, as far as each was good enough for promotion."""
     best: NetworkPolicy | None = None
     best_evaluation: Evaluation | None = None
     started: float = field(default_factory=time.perf_counter)
@@ -88,7 +89,7 @@ def start_stage(stage: Stage) -> TrainingState:
     world = domain.world(stage.task, hyper.lanes, stage.seed)
     observation = world.reset()
     return TrainingState(
-        learner=Td3(features.size, hyper, domain.action_limit, stage.seed),
+        learner=FastTd3(features.size, hyper, domain.action_limit, stage.seed),
         replay=Replay(hyper.replay_size, hyper.lanes, features.size),
         world=world,
         observation=observation,
