@@ -1,0 +1,97 @@
+"""The Fly page put together, without a browser."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import viser
+
+from sim.errors import UsageError
+from workbench.context import AppContext
+from workbench.pages import fly
+from workbench.pages.fly import FlyPage
+from workbench.pages.fly_settings import FlySettings
+from workbench.recordings import Recordings
+from workbench.runs import RunStore
+from workbench.viser_proxy import ViserRegistry
+
+
+class OneScene(ViserRegistry):
+    """Gives every page the same viser server; starting one per test would be slow."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        super().__init__()
+        self.server = server
+
+    def open(self) -> tuple[str, viser.ViserServer]:
+        return "scene", self.server
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def shown(tmp_path: Path, server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> FlyPage:
+    monkeypatch.setattr(fly.pn.state, "onload", lambda _callback: None)
+    monkeypatch.setattr(fly.pn.state, "execute", lambda callback, **_options: callback())
+    return FlyPage(AppContext(RunStore(tmp_path / "runs"), Recordings(tmp_path / "rrd"), OneScene(server)))
+
+
+def _cards(shown: FlyPage) -> str:
+    return "".join(str(card.object) for card in shown._cards.values())
+
+
+def test_a_page_says_that_it_is_flying_until_it_has_flown(shown: FlyPage) -> None:
+    assert _cards(shown).count("flying …") == 2
+    asyncio.run(shown._fly())
+    assert "flying …" not in _cards(shown)
+    assert not shown._progress.visible
+
+
+def test_the_clock_ends_with_the_longer_flight(shown: FlyPage) -> None:
+    asyncio.run(shown._fly())
+    assert shown._clock.duration == max(row["time"] for row in shown._events.events)
+    assert shown._clock.marks == shown._events.events
+
+
+def test_every_time_is_acknowledged_so_that_the_next_may_come(shown: FlyPage) -> None:
+    asyncio.run(shown._fly())
+    shown._clock.time = 123.4
+    assert shown._clock.shown == 123.4
+
+
+def test_a_refused_flight_is_one_sentence(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_settings: FlySettings, _store: RunStore) -> None:
+        raise UsageError("policy <x> cannot see missile 4")
+
+    monkeypatch.setattr(fly, "fly_both", refuse)
+    asyncio.run(shown._fly())
+    assert shown._alert.visible
+    assert shown._alert.object == "Policy &lt;x&gt; cannot see missile 4. Nothing new was flown."
+    assert _cards(shown).count("not flown") == 2
+
+
+def test_a_refused_change_keeps_what_was_flown(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    asyncio.run(shown._fly())
+    before = _cards(shown)
+
+    def refuse(_settings: FlySettings, _store: RunStore) -> None:
+        raise UsageError("no")
+
+    monkeypatch.setattr(fly, "fly_both", refuse)
+    asyncio.run(shown._fly())
+    assert _cards(shown) == before
+
+
+def test_choosing_a_mask_changes_the_settings(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fly.pn.state, "execute", lambda *_arguments, **_options: None)
+    shown._controls.items[2].masked = [2, 3]
+    assert shown._settings.masked == {2, 3}
+    assert shown._settings.time_s == 0.0
