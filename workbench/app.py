@@ -10,6 +10,7 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.io.resources import LOCAL_DIST
 
 from layouts import theme
 from sim.errors import SubMasError
@@ -32,6 +33,10 @@ def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
 
 def framed(context: AppContext, name: str) -> pmui.Page:
     """The page `name` in its frame, dark unless the address says `theme=default`."""
+    if pn.state.curdoc is not None:
+        # A page that reconnects after its session has ended gets a new one without the request that would say where
+        # Panel's files are; Panel would then look for them on the internet.
+        pn.state.curdoc.template_variables.setdefault("dist_url", LOCAL_DIST)
     light = pn.state.session_args.get("theme", [b""])[0] == b"default"
     setattr(pn.config, "theme", "default" if light else "dark")  # noqa: B010 - Panel hides the setter from type checkers
     links = {other: _link(other, current=other == name) for other in PAGES}
