@@ -11,7 +11,7 @@ from sim.geometry import azimuth
 from sim.scenario import Scenario
 from sim.trajectory import BodyTrack, Trajectory, fly
 from sim.world import Fate, Outcome, World
-from tests.engagements import DRILL, changed, circle, close, drag, fly_lanes, straight, task, to_exit
+from tests.engagements import DRILL, changed, circle, close, drag, fly_lanes, straight, task, to_exit, wrapped
 
 DT = DRILL.rules.step_s / DRILL.rules.substeps
 FLIGHTS = [fly(task(*masked), act, act.__name__, seed=5, episode=e)
@@ -66,7 +66,7 @@ def test_observations_are_of_the_recorded_instants(trajectory: Trajectory) -> No
         r, phi = o[:, trajectory.task.layout.block(missile.number)].T
         seen = r >= 0.0
         np.testing.assert_allclose(r[seen], missile.range_m[at][seen], rtol=1e-5, atol=0.02)
-        turned = np.sin(phi[seen] - missile.azimuth_rad[at][seen])
+        turned = wrapped(phi[seen] - missile.azimuth_rad[at][seen])
         np.testing.assert_allclose(turned, 0.0, atol=1e-3)
         assert not np.isfinite(missile.range_m[at][~seen]).any() or missile.fate is not Fate.UNLAUNCHED
 

@@ -83,6 +83,15 @@ def test_a_restarted_lane_remembers_nothing() -> None:
     np.testing.assert_array_equal(first.terms, again.terms)
 
 
+def test_a_restarted_interceptor_need_not_wait() -> None:
+    # The launch interval counts from a launch, and the last flight's launches are forgotten.
+    world = World(task(scenario=changed(launch={"range_m": 100e3, "interval_s": 600.0})), 1)
+    for _ in range(2):
+        world.step([0.0])
+        assert world.fate[0].tolist() == [Fate.FLYING, *[Fate.UNLAUNCHED] * 3]
+        world.reset()
+
+
 def test_actions_may_be_flat_or_columns() -> None:
     turns = random_turns(1, 3)[0]
     flat, column = World(task(), 3).step(turns), World(task(), 3).step(turns[:, None])
