@@ -10,11 +10,12 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from layouts.azimuth import azimuth_columns
+from layouts.battlefield import EXAGGERATION
 from layouts.chart import Columns
 from layouts.map2d import named_tracks
 from layouts.motion import KM, motion
 from layouts.ranges import range_columns
-from layouts.scene import EXAGGERATION, TAIL_POINTS, TAIL_S
+from layouts.scene import TAIL_POINTS, TAIL_S
 from layouts.theme import DARK, GATE, INTERCEPTOR, Rgb, missile_colour, rgb
 from sim.scenario import Battlefield
 from sim.trajectory import Trajectory

@@ -10,11 +10,11 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from layouts.battlefield import EXAGGERATION, add_battlefield, draw_lines
 from layouts.meshes import Mesh, aircraft, missile
 from layouts.motion import KM, Motion, motion, segments
 from layouts.theme import (
     FAILURE,
-    GATE,
     INTERCEPTOR,
     Ground,
     Mode,
@@ -25,12 +25,8 @@ from layouts.theme import (
     rgb,
     scene_ink,
 )
-from sim.scenario import Battlefield
 from sim.trajectory import Trajectory
 from sim.world import Fate, Outcome
-
-EXAGGERATION = 4.0
-"""Altitudes are drawn this many times higher than they are, or a flight over 200 km would look flat."""
 
 GAP_KM = 14.0
 TAIL_S = 75.0
@@ -39,8 +35,6 @@ TAIL_LIFT_KM = 0.4
 PATH_POINTS = 500
 AIRCRAFT_KM = 10.0
 MISSILE_KM = 8.0
-GRID_KM = 20.0
-GATE_RUNGS = 7
 BURST = (255, 150, 60)
 
 
@@ -126,34 +120,6 @@ def build_scene(
     return scene
 
 
-def add_battlefield(server: viser.ViserServer, name: str, field: Battlefield, look: Ground, offset_km: NDArray) -> None:
-    """Ground, grid, border and exit gate of one battlefield (Fig. 2)."""
-    half = np.array([field.length_m, field.width_m]) * KM / 2
-    corners = np.array([(-half[0], -half[1], 0), (half[0], -half[1], 0), (half[0], half[1], 0), (-half[0], half[1], 0)])
-    faces = np.array([(0, 1, 2), (0, 2, 3)])
-    scene, place = server.scene, {"position": tuple(offset_km)}
-    scene.add_mesh_simple(
-        f"{name}/ground",
-        corners - (0, 0, 0.15),
-        faces,
-        color=look.field,
-        side="double",
-        flat_shading=True,
-        cast_shadow=False,
-        receive_shadow=False,
-        **place,
-    )
-    lines = [((x, -half[1], 0), (x, half[1], 0)) for x in _ticks(half[0])]
-    lines += [((-half[0], y, 0), (half[0], y, 0)) for y in _ticks(half[1])]
-    _lines(server, f"{name}/grid", np.array(lines), look.grid, 1.0, offset_km)
-    _lines(server, f"{name}/border", segments(corners[[0, 1, 2, 3, 0]]), look.border, 2.0, offset_km)
-    low, high = ((field.exit_y_m + side * field.exit_half_width_m) * KM for side in (-1, 1))
-    top = 9.0 * EXAGGERATION
-    rungs = [((half[0], low, z), (half[0], high, z)) for z in np.linspace(0.0, top, GATE_RUNGS)]
-    posts = [((half[0], y, 0.0), (half[0], y, top)) for y in (low, high)]
-    _lines(server, f"{name}/gate", np.array(rungs + posts), scene_ink(GATE, look), 2.5, offset_km)
-
-
 def _add_flight(
     server: viser.ViserServer, name: str, flight: Trajectory, colour: str, look: Ground, offset_km: NDArray
 ) -> tuple[list[Body], list[Mark]]:
@@ -195,9 +161,11 @@ def _add_body(
 ) -> Body:
     whole = path.position_km[:: max(1, len(path.position_km) // PATH_POINTS)]
     nowhere = np.zeros(3)
-    _lines(server, f"{name}_path", segments(whole), blend(ink, look.field, look.faint), 1.8, nowhere)
-    tail = _lines(server, f"{name}_tail", _tail(path, float(path.time_s[0])), ink, 3.2, nowhere)
-    drop = _lines(server, f"{name}_drop", _drop(path.position_km[0]), blend(ink, look.field, look.faint), 1.2, nowhere)
+    draw_lines(server, f"{name}_path", segments(whole), blend(ink, look.field, look.faint), 1.8, nowhere)
+    tail = draw_lines(server, f"{name}_tail", _tail(path, float(path.time_s[0])), ink, 3.2, nowhere)
+    drop = draw_lines(
+        server, f"{name}_drop", _drop(path.position_km[0]), blend(ink, look.field, look.faint), 1.2, nowhere
+    )
     shape = server.scene.add_mesh_simple(
         name,
         mesh.vertices * size_km,
@@ -249,13 +217,3 @@ def _tail(path: Motion, time_s: float) -> NDArray[np.float64]:
 
 def _drop(position_km: NDArray) -> NDArray[np.float64]:
     return segments(np.array([position_km, position_km * (1.0, 1.0, 0.0)]))
-
-
-def _lines(server: viser.ViserServer, name: str, points: NDArray, ink: Rgb, pixels: float, offset_km: NDArray) -> Any:
-    return server.scene.add_line_segments(
-        name, points, ink, thickness=pixels, thickness_units="screen", position=tuple(offset_km)
-    )
-
-
-def _ticks(half_km: float) -> NDArray[np.float64]:
-    return np.arange(np.ceil(-half_km / GRID_KM), np.floor(half_km / GRID_KM) + 1) * GRID_KM

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import viser
 
+from layouts.battlefield import EXAGGERATION
 from layouts.meshes import Mesh, aircraft, missile
 from layouts.motion import motion, quaternions
-from layouts.scene import EXAGGERATION, build_scene
+from layouts.scene import build_scene
 from layouts.theme import POLICY_A, POLICY_B
 from sim.world import Outcome
 from tests.layouts.sample import sample_flight
