@@ -78,8 +78,8 @@ class LivePage:
         return pn.pane.HTML(text, stylesheets=[LIVE_CSS], sizing_mode="stretch_width", margin=0)
 
     def _arrange(self) -> pn.viewable.Viewable:
-        curves = _column("1 1 640px", "0", _panel(self._waiting, self._curves.layout))
-        events = _column("0 1 330px", "240px", _panel(self._events))
+        curves = _column("4 1 860px", _panel(self._waiting, self._curves.layout))
+        events = _column("1 1 300px", _panel(self._events))
         self._run_views = pn.Column(
             _panel(self._html["head"], self._progress, self._html["stages"], self._html["numbers"]),
             pn.FlexBox(curves, events, gap="12px", sizing_mode="stretch_width", margin=0),
@@ -194,8 +194,8 @@ def stage_tasks(config: TrainingConfig) -> list[str]:
     return [target.mask(missile for missile in target.missiles if missile > count).name for count in counts]
 
 
-def _column(flex: str, narrowest: str, panel: pmui.Paper) -> pmui.Column:
-    return pmui.Column(panel, margin=0, styles={"flex": flex, "min-width": narrowest})
+def _column(flex: str, panel: pmui.Paper) -> pmui.Column:
+    return pmui.Column(panel, margin=0, styles={"flex": flex, "min-width": "0"})
 
 
 def _panel(*parts: Any) -> pmui.Paper:

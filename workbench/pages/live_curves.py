@@ -25,17 +25,15 @@ class LiveCurves:
         for each in figures:
             each.background_fill_alpha = each.border_fill_alpha = 0.0  # the panel's colour shows through
             each.xaxis[0].ticker = BasicTicker(min_interval=1)
-        panes = [
-            pn.pane.Bokeh(each, sizing_mode="stretch_width", margin=0, styles={"flex": "1 1 400px", "min-width": "0"})
-            for each in figures
-        ]
-        self.layout = pn.FlexBox(*panes, gap="8px", sizing_mode="stretch_width", margin=0)
+        panes = [pn.pane.Bokeh(each, sizing_mode="stretch_width", margin=0) for each in figures]
+        rows = [pn.Row(*panes[start : start + 2], sizing_mode="stretch_width", margin=0) for start in (0, 2)]
+        self.layout = pn.Column(*rows, sizing_mode="stretch_width", margin=0)
 
     def _loss(self) -> figure:
         """Critic loss as the optimiser sees it (of scaled rewards in the fast profile)."""
         fig = figure(
             title="critic loss", height=HEIGHT, sizing_mode="stretch_width", x_axis_label="epoch", active_drag=None,
-            tools="xpan,xwheel_zoom,box_zoom,reset,save", x_range=self._curves.success.x_range, y_axis_type="log",
+            tools="xpan,xwheel_zoom,box_zoom,reset,save", x_range=self._curves.success.x_range,
         )  # fmt: skip
         fig.toolbar.logo, fig.toolbar.autohide, fig.outline_line_color = None, True, None
         add_lines(fig, self._curves.training, "epoch", [("critic_loss", "critic loss", POLICY_B)])

@@ -80,7 +80,8 @@ class RunsPage:
             return
         ids = [run.id for run in self._runs]
         if wanted in ids:
-            self._table.selection = [ids.index(wanted)]
+            # Once the table stands in the browser: it forgets a selection it is born with.
+            pn.state.onload(lambda: self._table.param.update(selection=[ids.index(wanted)]))
             return
         try:
             self._store.get(wanted)

@@ -37,6 +37,10 @@ FILTERS: dict[str, Any] = {
     for name in ("state", "training", "name", "variant", "profile", "seed", "run")
 }
 PROGRESS = {"type": "progress", "max": 100, "color": POLICY_A, "legend": True, "legendColor": "currentColor"}
+SELECTED_CSS = """
+.tabulator .tabulator-row.tabulator-selected { color: inherit;
+  background: color-mix(in srgb, var(--panel-primary-color) 32%, transparent) !important }
+"""
 UNREADABLE = "unreadable"
 
 
@@ -89,11 +93,13 @@ def runs_table(frame: pd.DataFrame, height: int) -> pn.widgets.Tabulator:
         show_index=False,
         disabled=True,
         selectable=1,
+        row_height=36,
         pagination="local",
         page_size=50,
         height=height,
         layout="fit_data_stretch",
         sizing_mode="stretch_width",
+        stylesheets=[SELECTED_CSS],
         margin=0,
     )
 

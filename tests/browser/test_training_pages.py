@@ -1,0 +1,110 @@
+"""A person masks missiles, launches a training, watches it, stops it, finds it again; hostile names stay text."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from agents.config import TrainingConfig
+from tests.conftest import Served, start_server
+from workbench.run_files import append_line
+from workbench.run_state import RunState
+from workbench.runs import Run, RunStore
+
+NAMES = [
+    "<img src=x onerror=window.canary=1>", "<script>window.canary=1</script>", "{{7*7}}", "${7*7}", "=HYPERLINK(1)",
+    "'; DROP TABLE runs; --", "%s{0}", "../../x", "**bold**", "a" * 200,
+]  # fmt: skip
+"""Names people and programs could give to runs; none may do anything (S9)."""
+
+
+@pytest.fixture(scope="module")
+def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A server of its own: these tests launch, stop and delete."""
+    server = start_server(tmp_path_factory.mktemp("training"))
+    yield server
+    server.process.terminate()
+    server.process.wait(timeout=30)
+
+
+@pytest.fixture
+def person(page: Page, workbench: Served, complaints: list[str]) -> Page:
+    page.set_default_timeout(60_000)
+    expect.set_options(timeout=60_000)
+    page.goto(f"{workbench.address}/healthz?token={workbench.token}")
+    return page
+
+
+@pytest.fixture
+def store(workbench: Served) -> RunStore:
+    return RunStore(workbench.runs)
+
+
+def _failed(store: RunStore, name: str = "") -> Run:
+    run = store.create(TrainingConfig(profile="smoke", name=name))
+    run.write_state(RunState("failed", error=f"error of {name}", created="2026-01-01T00:00:00"))
+    return run
+
+
+def test_hostile_names_are_only_text(person: Page, workbench: Served, store: RunStore) -> None:
+    runs = [_failed(store, name) for name in NAMES]
+    for name in NAMES:
+        append_line(runs[0].path / "events.jsonl", {"kind": name, "wall_s": 1.0, "text": f"event of {name}"})
+    person.goto(f"{workbench.address}/live?run={runs[0].id}")
+    expect(person.get_by_text(f"error of {NAMES[0]}")).to_be_visible()
+    for name in NAMES:
+        expect(person.get_by_text(f"event of {name}")).to_be_visible()
+    person.goto(f"{workbench.address}/runs?run={runs[0].id}")
+    expect(person.get_by_role("gridcell", name=NAMES[0])).to_be_visible()
+    person.get_by_role("button", name="Delete").click()
+    expect(person.get_by_text(f"{NAMES[0]} is moved")).to_be_visible()
+    assert person.evaluate("window.canary") is None
+    for run in runs:
+        store.delete(run.id)
+
+
+def test_a_run_is_searched_and_deleted(person: Page, workbench: Served, store: RunStore) -> None:
+    wanted, other = _failed(store, "needle"), _failed(store, "haystack")
+    person.goto(f"{workbench.address}/runs")
+    expect(person.get_by_role("gridcell", name="haystack")).to_be_visible()
+    person.get_by_role("columnheader", name="Name").get_by_placeholder("filter").press_sequentially("need")
+    expect(person.get_by_role("gridcell", name="haystack")).to_have_count(0)
+    person.get_by_role("gridcell", name="needle").click()
+    expect(person.get_by_role("link", name="Open in Live")).to_have_attribute("href", f"/live?run={wanted.id}")
+    person.get_by_role("button", name="Delete").click()
+    person.get_by_role("button", name="Move to the trash").click()
+    expect(person.get_by_role("gridcell", name="needle")).to_have_count(0)
+    assert [run.id for run in store.list()] == [other.id]
+    store.delete(other.id)
+
+
+def test_an_unknown_run_is_a_sentence(person: Page, workbench: Served) -> None:
+    for wanted, sentence in (("20200101-000000-aaaaaa", "is not in"), ("<b>x</b>", "is not a run id")):
+        person.goto(f"{workbench.address}/live?run={wanted}")
+        expect(person.get_by_text(sentence)).to_be_visible()
+
+
+@pytest.mark.slow
+def test_a_stage_is_launched_watched_and_stopped(person: Page, workbench: Served, store: RunStore) -> None:
+    person.goto(f"{workbench.address}/curriculum?what=stage&mask=3,4")
+    expect(person.get_by_text("Source task 2")).to_be_visible()
+    person.get_by_role("button", name="Missile 2").click()
+    expect(person.get_by_text("Source task 3")).to_be_visible()
+    person.get_by_role("button", name="Launch").click()
+    person.wait_for_url("**/live?run=*")
+    (run,) = store.list()
+    assert run.id in person.url
+    assert run.config == TrainingConfig(missiles=1)
+    expect(person.get_by_text("running", exact=True)).to_be_visible()
+    person.get_by_role("button", name="Stop", exact=True).click()
+    person.get_by_role("button", name="Stop this run").click()
+    expect(person.get_by_text("Stopping …")).to_be_visible()
+    assert run.stop_requested()
+    deadline = time.monotonic() + 240
+    while run.state.active and time.monotonic() < deadline:
+        time.sleep(0.5)
+    assert run.state.state == "stopped"
+    expect(person.get_by_text("stopped", exact=True)).to_be_visible()
