@@ -53,3 +53,10 @@ def test_a_weaker_navigation_constant_misses_by_more() -> None:
         miss[constant] = max(missile.closest_m for missile in ended)
     assert miss[4.0] < 1.0
     assert miss[1.0] > 10.0
+
+
+def test_a_shot_on_the_level_stays_on_the_level() -> None:
+    # Gravity is compensated; what remains is the lag of the autopilot at launch. Without it the missile sags 250 m.
+    scenario = changed(changed(**ENVELOPE), start={"altitude_spread_m": 0.0})
+    height = fly(task(2, 3, 4, scenario=scenario), straight, "test", seed=17).missiles[0].position_m[:, 2]
+    assert np.nanmax(height) - np.nanmin(height) < 60.0

@@ -152,7 +152,7 @@ def test_the_fast_profile_differs_exactly_as_listed() -> None:
         for name in names
         if getattr(PAPER, name) != getattr(FAST, name)
     ]
-    assert listed == different
+    assert listed == different, "PAPER.md should list " + "; ".join(map(str, different))
 
 
 @pytest.mark.parametrize(

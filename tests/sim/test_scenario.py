@@ -173,6 +173,14 @@ def test_shipped_scenarios_keep_the_papers_rules(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", scenario_names())
+def test_missiles_of_shipped_scenarios_arm_after_more_than_a_step(name: str) -> None:
+    # Eq. (12): a missile that could hit in the step of its launch would pay while the observation shows it absent.
+    scenario = load_scenario(name)
+    assert scenario.missile.arm_s > scenario.rules.step_s
+    assert scenario.missile.burn_s > scenario.rules.step_s
+
+
+@pytest.mark.parametrize("name", scenario_names())
 def test_every_number_of_a_shipped_scenario_says_where_it_comes_from(name: str) -> None:
     # The unit is in the key; a source, or the word "chosen" and why, stands beside the number or beside its section.
     bare, section = [], ""
