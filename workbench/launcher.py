@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING
 
 from sim.errors import SubMasError
 from workbench.run_files import RunFileError, waiting_lock
-from workbench.runs import LAUNCHER_LOCK, Run, RunBusyError, RunsFolderError, RunStore, now
+from workbench.run_folder import now
+from workbench.runs import LAUNCHER_LOCK, Run, RunBusyError, RunsFolderError, RunStore
 
 if TYPE_CHECKING:
     from agents.config import TrainingConfig

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from sim.assets import asset_path
 from sim.errors import UsageError
-from workbench.runs import RunStore, is_run_id, shorten
+from workbench.run_folder import shorten
+from workbench.runs import RunStore, is_run_id
 
 if TYPE_CHECKING:
     from agents.config import TrainingConfig

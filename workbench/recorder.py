@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from sim.errors import SubMasError
 from workbench.run_files import append_line
+from workbench.run_folder import now
 from workbench.run_state import RunState
-from workbench.runs import Run, now
+from workbench.runs import Run
 
 if TYPE_CHECKING:
     from agents.checkpoint import PolicyCard
-    from agents.policy import Policy
+    from agents.policy import NetworkPolicy
 
 WATCHED = ("critic_loss", "actor_loss", "q_mean", "return_mean")
 """Figures whose first non-finite value means that learning has diverged."""
@@ -74,7 +75,7 @@ class RunRecorder:
         stamp = {"time": now(), "wall_s": round(self._wall_s(), 3)}
         append_line(self.run.path / "events.jsonl", {**stamp, "kind": kind, "text": text, **fields})
 
-    def policy(self, policy: Policy, card: PolicyCard) -> None:
+    def policy(self, policy: NetworkPolicy, card: PolicyCard) -> None:
         """Save a stage's best policy under its task's name and as the policy of the run."""
         from agents.checkpoint import save_policy
 

@@ -1,45 +1,26 @@
-"""Run folders: one training each, the truth about it, and the only place that knows how they are laid out.
-
-`runs/<id>/` holds `config.json`, `state.json`, `metrics.jsonl`, `events.jsonl`, `policies/`,
-`policy.safetensors`, `evaluations/`,
-`log.txt`, `run.lock` (a flock held while the training process lives) and `stop` (its presence asks the
-training to stop).
-"""
+"""The runs folder: one folder per training, which is the truth about it."""
 
 from __future__ import annotations
 
-import contextlib
-import dataclasses
 import os
-import re
 import secrets
 import string
 import time
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sim.errors import SubMasError, UsageError
-from workbench.run_files import (
-    ABSENT,
-    LineReader,
-    RunFileError,
-    Signature,
-    is_locked,
-    read_json,
-    signature,
-    take_lock,
-    waiting_lock,
-    write_json,
-)
+from workbench.run_files import RunFileError, waiting_lock, write_json
+from workbench.run_folder import LAUNCHER_LOCK, Run, RunBusyError, is_run_id, now, problem_of, shorten
 from workbench.run_state import RunState
 
 if TYPE_CHECKING:
     from agents.config import TrainingConfig
 
-RUN_ID = re.compile(r"[0-9]{8}-[0-9]{6}-[a-z0-9]{6}")
-LAUNCHER_LOCK = ".launcher.lock"
+__all__ = ["LAUNCHER_LOCK", "Run", "RunBusyError", "RunStore", "RunsFolderError", "UnknownRunError", "is_run_id"]
+
 TRASH = ".trash"
 _SUFFIX_ALPHABET = string.ascii_lowercase + string.digits
 
@@ -48,138 +29,13 @@ class UnknownRunError(UsageError):
     """No run of this id in the runs folder, or not an id at all."""
 
 
-class RunBusyError(SubMasError):
-    """The run is alive and what was asked needs it at rest."""
-
-
 class RunsFolderError(SubMasError):
     """The runs folder cannot be made, read or written."""
-
-
-def is_run_id(text: str) -> bool:
-    """Whether `text` looks like a run id, `YYYYMMDD-hhmmss-xxxxxx`; nothing else ever becomes a path."""
-    return RUN_ID.fullmatch(text) is not None
 
 
 def _new_id() -> str:
     suffix = "".join(secrets.choice(_SUFFIX_ALPHABET) for _ in range(6))
     return f"{datetime.now():%Y%m%d-%H%M%S}-{suffix}"
-
-
-class Run:
-    """One run folder. Cheap to ask often: what is parsed is kept until its file changes."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.id = path.name
-        self.problem = ""
-        """Why this run cannot be shown properly; empty for a good run."""
-        self._config: TrainingConfig | None = None
-        self._config_seen: Signature | None = None
-        self._state = RunState("failed")
-        self._state_seen: Signature | None = None
-
-    @property
-    def config(self) -> TrainingConfig:
-        """What the run was asked to do.
-
-        Raises:
-            RunFileError: `config.json` is missing or damaged; `problem` then holds the same sentence.
-        """
-        seen = signature(self.path / "config.json")
-        if self._config is None or seen != self._config_seen:
-            from agents.config import TrainingConfig
-
-            try:
-                self._config = TrainingConfig.from_json(read_json(self.path / "config.json"))
-            except RunFileError:
-                raise
-            except (SubMasError, TypeError, ValueError) as error:
-                raise RunFileError(f"config.json is not a training configuration: {error}") from error
-            self._config_seen = seen
-        return self._config
-
-    @property
-    def state(self) -> RunState:
-        """How the run stands now: what it last wrote, corrected by whether its process lives.
-
-        Raises:
-            RunFileError: `state.json` is missing or damaged.
-        """
-        written = self._written_state()
-        if written.state != "running" or self.is_alive():
-            return written
-        # The lock was free after "running" was read, so the process is gone; it may have written its last
-        # word in between.
-        written = self._written_state()
-        return dataclasses.replace(written, state="interrupted") if written.state == "running" else written
-
-    def _written_state(self) -> RunState:
-        seen = signature(self.path / "state.json")
-        if seen != self._state_seen or seen == ABSENT:
-            self._state = RunState.from_json(read_json(self.path / "state.json"))
-            self._state_seen = seen
-        return self._state
-
-    def write_state(self, state: RunState) -> None:
-        """Replace `state.json`; only whoever holds the run's lock may call this."""
-        write_json(self.path / "state.json", state.to_json())
-
-    def is_alive(self) -> bool:
-        """Whether a living process holds this run."""
-        return is_locked(self.path / "run.lock")
-
-    def claim(self) -> int | None:
-        """The descriptor of the run's lock, or None when the run is alive."""
-        try:
-            return take_lock(self.path / "run.lock")
-        except OSError as error:
-            raise RunFileError(f"run {self.id} cannot be locked: {error.strerror}") from error
-
-    def signature(self) -> tuple[Signature, Signature, Signature, bool]:
-        """Changes whenever something a page shows about this run has changed."""
-        names = ("state.json", "metrics.jsonl", "events.jsonl")
-        state, metrics, events = (signature(self.path / name) for name in names)
-        return state, metrics, events, self.is_alive()
-
-    def metrics(self, since: int = 0) -> list[dict[str, Any]]:
-        """Rows of `metrics.jsonl` from row number `since` on, one per finished epoch."""
-        return LineReader(self.path / "metrics.jsonl").read_new()[since:]
-
-    def events(self, since: int = 0) -> list[dict[str, Any]]:
-        """Rows of `events.jsonl` from row number `since` on: `time`, `kind`, `text`, fields."""
-        return LineReader(self.path / "events.jsonl").read_new()[since:]
-
-    def policy_path(self) -> Path | None:
-        """The best policy of the latest stage, or None while there is none."""
-        path = self.path / "policy.safetensors"
-        return path if path.is_file() else None
-
-    def log_tail(self, lines: int = 20) -> str:
-        """The end of what the training process printed."""
-        with contextlib.suppress(OSError), (self.path / "log.txt").open("rb") as file:
-            file.seek(max(0, file.seek(0, os.SEEK_END) - 16_384))
-            return "\n".join(file.read().decode(errors="replace").splitlines()[-lines:])
-        return ""
-
-    def request_stop(self) -> None:
-        """Ask the run to stop at the end of its epoch; a queued run is stopped at once.
-
-        Raises:
-            RunBusyError: the run has already ended.
-        """
-        with waiting_lock(self.path.parent / LAUNCHER_LOCK):
-            state = self.state
-            if state.state == "queued":
-                self.write_state(dataclasses.replace(state, state="stopped", updated=now()))
-            elif state.state == "running":
-                (self.path / "stop").touch()
-            else:
-                raise RunBusyError(f"run {self.id} is not running: it is {state.state}")
-
-    def stop_requested(self) -> bool:
-        """Whether somebody asked this run to stop."""
-        return (self.path / "stop").exists()
 
 
 class RunStore:
@@ -194,7 +50,7 @@ class RunStore:
         runs = []
         for entry in self._scan():
             run = self._known.setdefault(entry.name, Run(Path(entry.path)))
-            run.problem = _problem(run)
+            run.problem = problem_of(run)
             runs.append(run)
         self._known = {run.id: run for run in runs}
         return sorted(runs, key=lambda run: run.id, reverse=True)
@@ -220,7 +76,7 @@ class RunStore:
         if not os.path.lexists(path):
             raise UnknownRunError(f"run {run_id} is not in {self.root}; 'workbench runs' lists those that are")
         run = self._known.setdefault(run_id, Run(path))
-        run.problem = _problem(run)
+        run.problem = problem_of(run)
         return run
 
     def create(self, config: TrainingConfig) -> Run:
@@ -273,26 +129,3 @@ def _refuse_while_alive(run: Run) -> None:
     if lock is None:
         raise RunBusyError(f"run {run.id} is running; stop it before deleting it")
     os.close(lock)
-
-
-def now() -> str:
-    """The wall-clock time as ISO 8601 with the zone, to the microsecond."""
-    return datetime.now().astimezone().isoformat(timespec="microseconds")
-
-
-def shorten(text: str, limit: int = 60) -> str:
-    """Foreign text cut to a length that fits in a sentence."""
-    return text if len(text) <= limit else text[: limit - 1] + "…"
-
-
-def _problem(run: Run) -> str:
-    """Why the run cannot be shown, or "". Never raises: one bad run must not hide the others."""
-    if run.path.is_symlink():
-        return "is a link, not a folder"
-    if not run.path.is_dir():
-        return "is a file, not a folder"
-    try:
-        _ = run.config, run.state
-    except RunFileError as error:
-        return str(error)
-    return ""

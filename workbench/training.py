@@ -20,7 +20,8 @@ from sim.errors import SubMasError
 from workbench.launcher import drain
 from workbench.recorder import AskedToStop, RunRecorder
 from workbench.run_files import RunFileError
-from workbench.runs import Run, RunBusyError, RunStore, now
+from workbench.run_folder import now
+from workbench.runs import Run, RunBusyError, RunStore
 
 
 class StopNow(BaseException):

@@ -81,7 +81,8 @@ def test_a_bad_run_is_good_again_once_it_is_mended(store: RunStore) -> None:
 
 
 HOSTILE_IDS = (
-    "", ".", "..", "../runs-evil", "%2e%2e", "%252e", "..\\x", "/etc/passwd", "//", "a\0b", "C:", "x" * 5000, "20250101-000000-AAAAAA",
+    "", ".", "..", "../runs-evil", "%2e%2e", "%252e", "..\\x", "/etc/passwd", "//", "a\0b", "C:", "x" * 5000,
+    "20250101-000000-AAAAAA",
     "20250101-000000-aaaaa", "20250101-000000-aaaaaa/", "20250101-000000-aaaaaa\n", "20250101-000000-aaaaaa/../x",
     "２0250101-000000-aaaaaa", "20250101∕000000-aaaaaa", "*", "[a-z]*", ".trash", "~", "$HOME",
 )  # fmt: skip
@@ -98,7 +99,7 @@ def test_only_an_id_ever_becomes_a_path(run_id: str, ask: str, store: RunStore) 
 
 
 def test_an_unknown_run_is_a_sentence(store: RunStore) -> None:
-    with pytest.raises(UnknownRunError, match="20250101-000000-aaaaaa is not in .*runs"):
+    with pytest.raises(UnknownRunError, match=r"20250101-000000-aaaaaa is not in .*runs"):
         store.get("20250101-000000-aaaaaa")
 
 
@@ -233,7 +234,7 @@ def test_known_runs_are_not_parsed_again(store: RunStore, monkeypatch: pytest.Mo
     store.create(TrainingConfig())
     store.list()
     monkeypatch.setattr(Run, "write_state", None)
-    monkeypatch.setattr("workbench.runs.read_json", _never)
+    monkeypatch.setattr("workbench.run_folder.read_json", _never)
     assert len(store.list()) == 1
 
 

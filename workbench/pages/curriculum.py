@@ -19,7 +19,8 @@ from workbench.pages.curriculum_cards import CARD_CSS, observation_card, reward_
 from workbench.pages.curriculum_launch import LaunchForm
 from workbench.pages.curriculum_missiles import MissilePictures
 from workbench.policies import shipped_success
-from workbench.runs import Run, shorten
+from workbench.run_folder import shorten
+from workbench.runs import Run
 
 SCENARIO = "default"
 PICTURE_HEIGHT = 176
