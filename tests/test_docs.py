@@ -75,7 +75,7 @@ def test_variants_are_told_in_the_help_of_training_or_in_the_index(name: str) ->
 @pytest.mark.parametrize("name", DOCUMENTS)
 def test_every_file_that_is_mentioned_exists(name: str) -> None:
     text = TEXTS[name]
-    mentioned = re.findall(r"`((?:sim|agents|layouts|workbench|assets|tests|scripts)/[\w./]*)", text)
+    mentioned = re.findall(r"`((?:sim|agents|layouts|workbench|assets|tests|scripts)/[\w./-]*)", text)
     mentioned += re.findall(r"\]\((?!https?:)([^)#]+)\)", text)
     absent = [path for path in mentioned if not (ROOT / path).exists() and path not in MADE_LATER]
     assert not absent
