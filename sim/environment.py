@@ -41,7 +41,7 @@ def make_task(scenario: str = "default", mask: str | tuple[int, ...] = "") -> Ta
     return Task(loaded, parse_mask(text, loaded.launch.missiles))
 
 
-class EvasionEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+class EvasionEnv(gymnasium.Env[Any, Any]):
     """One UAV flies past missiles to the exit (section 2.3).
 
     Action: `Box(1,)` turning angle [rad]. Observation: `Box(d,)`, Table 1 in metres and radians. Reward: +400 exit,

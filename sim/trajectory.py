@@ -143,14 +143,14 @@ def fly(task: Task, act: Act, policy: str, seed: int, episode: int = 0, record_e
 
 def _assemble(world: World, policy: str, episode: int, rows: NDArray, steps: tuple[list, list, list]) -> Trajectory:
     rules = world.task.scenario.rules
-    time = np.arange(len(rows)) * (rules.step_s / rules.substeps)
+    time = np.arange(len(rows), dtype=np.float64) * (rules.step_s / rules.substeps)
     evader, interceptor = _body(rows[:, :TRACE_AIRCRAFT]), _body(rows[:, TRACE_AIRCRAFT : 2 * TRACE_AIRCRAFT])
     missiles = tuple(_missile(number, rows, time, evader) for number in world.task.missiles)
     outcome = Outcome(int(world.outcome[0]))
     observations, actions, terms = steps
     return Trajectory(
         world.task, policy, world.seed, episode, time, evader, interceptor, missiles,
-        step_time_s=np.arange(len(actions)) * rules.step_s,
+        step_time_s=np.arange(len(actions), dtype=np.float64) * rules.step_s,
         action_rad=np.array(actions, dtype=np.float64),
         observation=np.array(observations, dtype=np.float64),
         reward_terms=np.array(terms, dtype=np.float64).round(6),

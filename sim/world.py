@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
 from sim.device import start_warp
-from sim.kernel import Model, State, reset_lanes, step_lanes
-from sim.physics import Aircraft, AircraftModel, Missile, MissileModel
-from sim.scenario import Scenario
+from sim.kernel import reset_lanes, step_lanes
+from sim.model import kernel_model, kernel_state
 from sim.start import initial_states
 from sim.task import Task
 
@@ -76,16 +75,17 @@ class World:
         start_warp()
         self.task, self.lanes, self.seed, self.device = task, lanes, seed, device
         self._next_episode = 0
-        self._model = _model(task.scenario)
-        self._state = _state(task, lanes, device)
+        self._model = kernel_model(task.scenario)
+        self._state = kernel_state(task, lanes, device)
         missiles = task.scenario.launch.missiles
         kept = [7 + 2 * (m - 1) + c for m in task.missiles for c in (0, 1)]
         self._columns = np.array([*range(7), *kept], dtype=np.intp)
+        # Warp's stubs leave the element type of `numpy()` open, hence Any.
         self._action = wp.zeros(lanes, dtype=float, device=device)
-        self._terms = wp.zeros((lanes, missiles + 2), dtype=float, device=device)
-        self._observation = wp.zeros((lanes, 7 + 2 * missiles), dtype=float, device=device)
+        self._terms: Any = wp.zeros((lanes, missiles + 2), dtype=float, device=device)
+        self._observation: Any = wp.zeros((lanes, 7 + 2 * missiles), dtype=float, device=device)
         self._flown = wp.zeros(lanes, dtype=int, device=device)
-        self._trace = wp.zeros((1, 1, 1), dtype=float, device=device)
+        self._trace: Any = wp.zeros((1, 1, 1), dtype=float, device=device)
         self._tracing = 0
         self.reset()
 
@@ -162,50 +162,3 @@ class World:
     def _number(self, count: int) -> NDArray[np.int64]:
         first, self._next_episode = self._next_episode, self._next_episode + count
         return np.arange(first, first + count)
-
-
-def _model(scenario: Scenario) -> Model:
-    model = Model()
-    for side in ("evader", "interceptor"):
-        setattr(model, side, _parameters(AircraftModel(), getattr(scenario, side)))
-    model.missile = _parameters(MissileModel(), scenario.missile)
-    field, launch, rules, reward = scenario.battlefield, scenario.launch, scenario.rules, scenario.reward
-    model.half_length, model.half_width = field.length_m / 2, field.width_m / 2
-    model.exit_y, model.exit_half_width = field.exit_y_m, field.exit_half_width_m
-    model.radar_range, model.radar_half_angle = launch.radar_range_m, launch.radar_half_angle_rad
-    model.launch_range, model.tail_fraction = launch.range_m, launch.tail_fraction
-    model.range_min, model.interval = launch.range_min_m, launch.interval_s
-    model.dt, model.substeps = rules.step_s / rules.substeps, rules.substeps
-    model.max_steps, model.outside_steps = rules.max_steps, rules.outside_steps
-    model.reward_exit, model.reward_evaded = reward.exit, reward.evaded
-    model.reward_shot_down, model.reward_step = reward.shot_down, reward.step
-    return model
-
-
-_UNITS = ("_rad_s", "_1_s", "_m_s", "_kg", "_m2", "_pa", "_n", "_m", "_s")
-
-
-def _parameters(model: AircraftModel | MissileModel, section: object) -> AircraftModel | MissileModel:
-    # Warp structs carry the scenario's names without their units: `mass_kg` becomes `mass`.
-    for field in dataclasses.fields(section):  # type: ignore[arg-type]
-        name = next((field.name.removesuffix(unit) for unit in _UNITS if field.name.endswith(unit)), field.name)
-        setattr(model, name, getattr(section, field.name))
-    return model
-
-
-def _state(task: Task, lanes: int, device: str) -> State:
-    missiles = task.scenario.launch.missiles
-    state = State()
-    state.aircraft = wp.zeros((lanes, 2), dtype=Aircraft, device=device)
-    state.altitude = wp.zeros((lanes, 2), dtype=float, device=device)
-    state.speed = wp.zeros((lanes, 2), dtype=float, device=device)
-    state.missile = wp.zeros((lanes, missiles), dtype=Missile, device=device)
-    state.fate = wp.zeros((lanes, missiles), dtype=int, device=device)
-    state.closest = wp.zeros((lanes, missiles), dtype=float, device=device)
-    state.range_factor = wp.zeros((lanes, missiles), dtype=float, device=device)
-    available = [int(m in task.missiles) for m in range(1, missiles + 1)]
-    state.available = wp.array(available, dtype=int, device=device)
-    state.since_launch = wp.zeros(lanes, dtype=float, device=device)
-    for name in ("steps", "outside", "outcome", "killer"):
-        setattr(state, name, wp.zeros(lanes, dtype=int, device=device))
-    return state
