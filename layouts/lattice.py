@@ -141,5 +141,5 @@ def _draw_nodes(fig: figure, source: ColumnDataSource) -> None:
     nodes.selection_glyph = None
     common = {"source": source, "text_align": "center", "text_baseline": "middle", "level": "overlay"}
     fig.text("x", "y", text="name", text_color="ink", text_font_size="13px", text_font_style="bold", **common)
-    fig.text("x", "y", text="caption", text_color=NEUTRAL, text_font_size="11px", y_offset=33, **common)
+    fig.text("x", "y", text="caption", text_color=NEUTRAL, text_font_size="11px", y_offset=-33, **common)
     fig.add_tools(TapTool(renderers=[nodes]), HoverTool(renderers=[nodes], tooltips=[("", "@task"), ("mask", "@mask")]))
