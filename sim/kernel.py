@@ -260,7 +260,7 @@ def step_lanes(
             e1 = fly_aircraft(e, model.evader, command, state.altitude[lane, 0], state.speed[lane, 0], model.dt)
             i1 = fly_aircraft(i, model.interceptor, planar_bearing(offset), state.altitude[lane, 1], chase, model.dt)
             for k in range(missiles):
-                if state.fate[lane, k] == IN_FLIGHT:
+                if state.outcome[lane] == FLYING and state.fate[lane, k] == IN_FLIGHT:
                     terms[lane, 1 + k] = terms[lane, 1 + k] + step_missile(model, state, lane, k, e, e1)
             if state.outcome[lane] == FLYING and through_gate(model, e.position, e1.position):
                 state.outcome[lane] = EXIT

@@ -163,7 +163,8 @@ def fly_missile(s: Missile, m: MissileModel, target: wp.vec3, target_velocity: w
     lateral = lateral - wp.dot(lateral, forward) * forward
     burnt = wp.clamp(s.age / wp.max(m.burn, 1.0e-6), 0.0, 1.0)
     mass = m.mass - m.propellant * burnt
-    thrust = wp.where(s.age < m.burn, m.thrust, 0.0)
+    # The motor burns for its very time, whatever the substep: the last one gets its share of the thrust.
+    thrust = m.thrust * wp.clamp((m.burn - s.age) / dt, 0.0, 1.0)
     normal = mass * wp.length(lateral)
     drag = pressure * m.area * m.cd0 * drag_shape(speed / sound_speed(altitude))
     drag = drag + m.induced_drag * normal * normal / (pressure * m.area)
