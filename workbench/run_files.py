@@ -1,6 +1,6 @@
 """The bytes of a run folder: atomic JSON, append-only lines, and the lock that says a run is alive.
 
-Only this module, `run_folder.py` and `runs.py` (which name the files) touch run folders, besides ``agents/checkpoint.py``
+Only this module, `run_folder.py` and `runs.py` (which name the files) touch run folders, besides `agents/checkpoint.py`
 for policies.
 """
 

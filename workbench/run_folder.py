@@ -135,6 +135,14 @@ class Run:
         path = self.path / "policy.safetensors"
         return path if path.is_file() else None
 
+    def policy_missiles(self) -> tuple[int, ...]:
+        """Missiles the best policy was trained with; all of the run's task while its card cannot be read."""
+        with contextlib.suppress(RunFileError):
+            missiles = read_json(self.path / "policy.json").get("missiles")
+            if isinstance(missiles, list) and all(isinstance(missile, int) for missile in missiles):
+                return tuple(missiles)
+        return tuple(range(1, self.config.missiles + 1))
+
     def log_tail(self, lines: int = 20) -> str:
         """The end of what the training process printed."""
         with contextlib.suppress(OSError), (self.path / "log.txt").open("rb") as file:

@@ -6,6 +6,9 @@ from urllib.parse import parse_qsl, urlencode
 
 import panel as pn
 
+from sim.scenario import load_scenario
+from workbench.runs import Run
+
 
 def read_query() -> dict[str, str]:
     """Values of the address this session was opened with; the last one where a name occurs twice."""
@@ -17,6 +20,13 @@ def write_query(**values: str) -> None:
     location = pn.state.location
     if location is not None:
         location.search = search({**dict(parse_qsl(location.search.removeprefix("?"))), **values})
+
+
+def fly_address(run: Run) -> str:
+    """The Fly page with a run's best policy, on the task it was trained for: what it cannot see is masked."""
+    missiles = range(1, load_scenario(run.config.scenario).launch.missiles + 1)
+    masked = ",".join(str(missile) for missile in missiles if missile not in run.policy_missiles())
+    return "/fly" + search({"a": run.id, "mask": masked})
 
 
 def go_to(address: str, **values: str) -> None:

@@ -14,6 +14,10 @@ LONGEST = 60
 """Characters of a wrong value that are repeated to the person."""
 
 
+FIRST_SEED = 2
+"""Initial state a person sees first. It shows why to learn: the expert is shot down, the shipped policy exits."""
+
+
 @dataclass(frozen=True)
 class FlySettings:
     """Two policies, the masked missiles, the initial state and the clock."""
@@ -37,7 +41,7 @@ class FlySettings:
 def default_settings(policies: Sequence[str]) -> FlySettings:
     """The trained target policy beside the defensive-dragging expert, or navigation while no policy is shipped."""
     a = "submas-target" if "submas-target" in policies else "expert-navigation"
-    return FlySettings(a, "expert-dragging")
+    return FlySettings(a, "expert-dragging", seed=FIRST_SEED)
 
 
 def read_settings(
@@ -61,7 +65,8 @@ def read_settings(
     if (seed := query.get("seed", "")) and (known := _whole(seed)) is not None:
         settings = replace(settings, seed=known)
     elif seed:
-        problems.append(f"Seed {_quoted(seed)} is not a whole number from 0 to {SEED_MAX}, so seed 0 is flown.")
+        instead = f"so seed {defaults.seed} is flown."
+        problems.append(f"Seed {_quoted(seed)} is not a whole number from 0 to {SEED_MAX}, {instead}")
     if (time := query.get("t", "")) and (seconds := _seconds(time)) is not None:
         settings = replace(settings, time_s=seconds)
     elif time:

@@ -13,7 +13,7 @@ from sim.errors import SubMasError
 from sim.scenario import load_scenario
 from sim.task import Task
 from workbench.context import AppContext
-from workbench.pages.address import read_query, write_query
+from workbench.pages.address import fly_address, read_query, write_query
 from workbench.pages.live_cards import LIVE_CSS, event_list, head, number_cards, stage_cards
 from workbench.pages.live_curves import LiveCurves
 from workbench.pages.live_watch import RunWatch
@@ -115,7 +115,6 @@ class LivePage:
         self._run_views.visible = True
         if self._picker.value != run.id:
             self._picker.value = run.id
-        self._fly.href = f"/fly?a={run.id}"
         write_query(run=run.id)
         self._tick()
 
@@ -161,7 +160,7 @@ class LivePage:
             self._complain(f"Not all of this run can be shown: {watch.problem}.")
 
     def _update_buttons(self, run: Run, state: RunState) -> None:
-        self._fly.disabled = run.policy_path() is None
+        self._fly.param.update(href=fly_address(run), disabled=run.policy_path() is None)
         asked = state.state == "running" and run.stop_requested()
         self._stop.disabled = asked or not state.active
         self._stop.label = "Stopping …" if asked else "Stop"

@@ -10,7 +10,7 @@ import panel_material_ui as pmui
 
 from sim.errors import SubMasError
 from workbench.context import AppContext
-from workbench.pages.address import read_query, write_query
+from workbench.pages.address import fly_address, read_query, write_query
 from workbench.pages.runs_table import COLUMNS, describe, runs_frame, runs_table
 from workbench.runs import Run
 
@@ -141,7 +141,8 @@ class RunsPage:
         self._detail.object = f"<dl>{pairs}</dl>"
         good = not run.problem
         self._open.param.update(href=f"/live?run={run.id}", disabled=not good)
-        self._fly.param.update(href=f"/fly?a={run.id}", disabled=not good or run.policy_path() is None)
+        flyable = good and run.policy_path() is not None
+        self._fly.param.update(href=fly_address(run) if flyable else "/fly", disabled=not flyable)
         self._delete.disabled = good and run.state.state == "running"
 
     def _ask(self, _event: object) -> None:
