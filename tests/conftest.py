@@ -18,7 +18,7 @@ START_PATIENCE_S = 60.0
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Browser tests come last: Playwright's event loop then runs to the end, and other tests start loops of their own."""
+    """Browser tests come last: Playwright's event loop runs to the end, and other tests start loops of their own."""
     items.sort(key=lambda item: "browser" in item.path.parts)
 
 

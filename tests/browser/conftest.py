@@ -9,13 +9,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import ConsoleMessage, Page, expect
 
-from tests.conftest import Served
+from tests.conftest import Served, start_server
 from workbench.chromium import MISSING, find_chromium, headless_flags
 
 # Telemetry and fonts that the Rerun viewer asks for and our content policy refuses; nothing else may be refused.
 # The last is its own complaint of that: recordings are fetched by the page, never by the viewer.
 RERUN_PHONES_HOME = ("tel.rerun.io", "api.github.com", "fonts.googleapis.com", "fonts.gstatic.com", "at __wbg_fetch_")
 PATIENCE_MS = 30_000
+TRAINING_PATIENCE_MS = 120_000
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -70,4 +71,22 @@ def visitor(page: Page, served: Served, complaints: list[str]) -> Page:
     page.set_default_timeout(PATIENCE_MS)
     expect.set_options(timeout=PATIENCE_MS)
     page.goto(f"{served.address}/healthz?token={served.token}")
+    return page
+
+
+@pytest.fixture(scope="module")
+def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A server for one module: its tests launch, stop and delete."""
+    server = start_server(tmp_path_factory.mktemp("workbench"))
+    yield server
+    server.process.terminate()
+    server.process.wait(timeout=30)
+
+
+@pytest.fixture
+def person(page: Page, workbench: Served, complaints: list[str]) -> Page:
+    """A page that has been let in to `workbench`, with the patience that trainings need."""
+    page.set_default_timeout(TRAINING_PATIENCE_MS)
+    expect.set_options(timeout=TRAINING_PATIENCE_MS)
+    page.goto(f"{workbench.address}/healthz?token={workbench.token}")
     return page

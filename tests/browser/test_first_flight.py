@@ -3,36 +3,16 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
-from tests.conftest import Served, start_server
+from tests.conftest import Served
 
-SLOW_MS = 120_000
 REPLAY = "iframe[title='3-D replay of both flights']"
 RERUN = "iframe[title='Rerun viewer']"
-
-
-@pytest.fixture(scope="module")
-def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    """A server of its own: this story trains."""
-    server = start_server(tmp_path_factory.mktemp("first-flight"))
-    yield server
-    server.process.terminate()
-    server.process.wait(timeout=30)
-
-
-@pytest.fixture
-def person(page: Page, workbench: Served, complaints: list[str]) -> Page:
-    page.set_default_timeout(SLOW_MS)
-    expect.set_options(timeout=SLOW_MS)
-    page.goto(f"{workbench.address}/healthz?token={workbench.token}")
-    return page
 
 
 def _picture(view: Locator) -> NDArray[np.int16]:

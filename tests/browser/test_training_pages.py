@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Page, expect
 
 from agents.config import TrainingConfig
-from tests.conftest import Served, start_server
+from tests.conftest import Served
 from workbench.run_files import append_line
 from workbench.run_state import RunState
 from workbench.runs import Run, RunStore
@@ -19,23 +18,6 @@ NAMES = [
     "'; DROP TABLE runs; --", "%s{0}", "../../x", "**bold**", "a" * 200,
 ]  # fmt: skip
 """Names people and programs could give to runs; none may do anything (S9)."""
-
-
-@pytest.fixture(scope="module")
-def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    """A server of its own: these tests launch, stop and delete."""
-    server = start_server(tmp_path_factory.mktemp("training"))
-    yield server
-    server.process.terminate()
-    server.process.wait(timeout=30)
-
-
-@pytest.fixture
-def person(page: Page, workbench: Served, complaints: list[str]) -> Page:
-    page.set_default_timeout(60_000)
-    expect.set_options(timeout=60_000)
-    page.goto(f"{workbench.address}/healthz?token={workbench.token}")
-    return page
 
 
 @pytest.fixture
