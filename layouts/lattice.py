@@ -84,7 +84,7 @@ def lattice_columns(
         "y": [places[m][1] for m in masks],
         "mask": [mask_text(m) for m in masks],
         "name": ["".join(map(str, numbers)) or "–" for numbers in kept],
-        "caption": [f"{success[m]:.0%}" if m in success else "" for m in masks],
+        "caption": [f"{success[m]:.1%}" if m in success else "" for m in masks],
         "task": [_task_text(numbers, len(every)) for numbers in kept],
         "fill": [POLICY_A if m in chain else NEUTRAL for m in masks],
         "fill_alpha": [0.9 if m in chain else 0.16 for m in masks],
