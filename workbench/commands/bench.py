@@ -15,7 +15,7 @@ class Args:
     """Measure how fast this machine is: the simulator, the learner or the pages; each takes less than a minute."""
 
     what: Annotated[tyro.conf.Positional[Literal["sim", "learner", "page"]], tyro.conf.arg(metavar="WHAT")]
-    """what to measure: sim (env-steps a second), learner (gradient steps a second), page (seconds until it is there)."""
+    """what to measure: sim (env-steps a second), learner (gradient steps a second), page (seconds to be there)."""
     json: bool = False
     """Print one JSON object."""
 
