@@ -129,10 +129,10 @@ def test_a_minute_of_hard_random_manoeuvre_ends_in_the_same_place() -> None:
 
 @pytest.mark.parametrize(("act", "outcome"), [(circle, Outcome.TIMEOUT), (straight, Outcome.LEFT_FIELD)])
 def test_the_rules_of_a_decision_step_end_alike(act: Policy, outcome: Outcome) -> None:
-    scenario = changed(DRILL, rules={"max_steps": 200})
+    scenario = changed(DRILL, rules={"max_steps": 260})
     harmless = Task(scenario, frozenset({1, 2, 3, 4}))
     kernel, reference = World(harmless, 20), ReferenceWorld(harmless, 20)
-    fly_both(kernel, reference, act, 200)
+    fly_both(kernel, reference, act, 260)
     assert outcome in kernel.outcome
     assert lanes_that_agree(kernel, reference).all()
     np.testing.assert_array_equal(kernel.steps, reference.steps)
