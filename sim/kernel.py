@@ -127,7 +127,7 @@ def step_missile(model: Model, state: State, lane: int, k: int, before: Aircraft
     state.closest[lane, k] = wp.min(state.closest[lane, k], miss)
     state.missile[lane, k] = new
     reward = float(0.0)
-    if miss <= model.missile.fuse and new.age >= model.missile.arm:
+    if miss <= model.missile.fuse and new.age >= model.missile.arm - 0.5 * model.dt:
         state.fate[lane, k] = HIT
         state.outcome[lane] = SHOT_DOWN
         state.killer[lane] = k + 1
@@ -143,7 +143,8 @@ def launch(model: Model, state: State, lane: int, interceptor: Aircraft, evader:
     """Fire the next missile when the interval has passed and the evader is in the zone; with the carrier's velocity."""
     state.since_launch[lane] = state.since_launch[lane] + model.dt
     k = next_missile(state, lane)
-    ready = state.outcome[lane] == FLYING and state.since_launch[lane] >= model.interval
+    # Half a substep of slack: a float32 sum of twentieths of a second must not cost one.
+    ready = state.outcome[lane] == FLYING and state.since_launch[lane] >= model.interval - 0.5 * model.dt
     if k >= 0 and ready and launch_zone(model, evader, interceptor, state.range_factor[lane, wp.max(k, 0)]):
         missile = Missile()
         missile.position = interceptor.position
