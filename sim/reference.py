@@ -1,7 +1,7 @@
 """The world a second time, to be read: the executable specification that the kernel is checked against.
 
 Vectorised over lanes in float64 NumPy: up to a hundred times slower with one lane, five to ten times with thousands.
-It shares the scenario, the initial states and the types of `sim.world` with the kernel, and no code that flies anything.
+It shares the scenario, the initial states and the types of `sim.world` with the kernel, and no code that flies.
 """
 
 from __future__ import annotations
