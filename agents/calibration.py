@@ -112,7 +112,7 @@ def _loiter(bench: _Bench) -> Iterator[Target]:
 
 
 def _interest(bench: _Bench) -> Iterator[Target]:
-    fixed = [bench.fly(DragRule(math.radians(a)), bench.missiles).success_rate for a in FIXED_ANGLES_DEG]
+    fixed = [bench.fly(DraggingExpert(math.radians(a)), bench.missiles).success_rate for a in FIXED_ANGLES_DEG]
     yield Target("best fixed-angle drag, 90 to 180 degrees", max(fixed), 0.0, 0.90)
     won = np.zeros(WINNABLE_STATES, dtype=bool)
     for rule in bench.family:

@@ -20,7 +20,7 @@ class DragRule:
 
     angle_rad: float
     """Angle between the nose and the closest missile [rad]."""
-    side: str = "turn"
+    side: str
     """One of `SIDES`."""
     edge_y_m: float = math.inf
     """Beyond this distance from the centre line [m] the side is the one that leads back."""
