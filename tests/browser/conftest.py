@@ -15,6 +15,8 @@ from workbench.chromium import MISSING, find_chromium, headless_flags
 # Telemetry and fonts that the Rerun viewer asks for and our content policy refuses; nothing else may be refused.
 # The last is its own complaint of that: recordings are fetched by the page, never by the viewer.
 RERUN_PHONES_HOME = ("tel.rerun.io", "api.github.com", "fonts.googleapis.com", "fonts.gstatic.com", "at __wbg_fetch_")
+# Chromium asks for it of its own accord, now and then before it has stored the cookie.
+BY_ITSELF = "/favicon.ico"
 PATIENCE_MS = 30_000
 TRAINING_PATIENCE_MS = 120_000
 
@@ -49,8 +51,9 @@ def complaints(page: Page) -> Iterator[list[str]]:
     found: list[str] = []
 
     def hear(message: ConsoleMessage) -> None:
-        if message.type == "error" and not any(host in message.text for host in RERUN_PHONES_HOME):
-            found.append(message.text)
+        complaint = f"{message.text} {message.location['url']}"
+        if message.type == "error" and not any(known in complaint for known in (*RERUN_PHONES_HOME, BY_ITSELF)):
+            found.append(complaint)
 
     page.on("console", hear)
     page.on("pageerror", lambda error: found.append(str(error)))
