@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.drag_rules import DragRule, LoiterExpert, rule_family
+from agents.drag_rules import DragRule, LoiterExpert, edge_of, rule_family
 from agents.evaluation import Evaluation, evaluate
 from agents.expert import DraggingExpert, NavigationExpert, RandomPolicy
 from agents.policy import Policy
@@ -101,7 +101,7 @@ def _simple_policies(bench: _Bench) -> Iterator[Target]:
 
 
 def _loiter(bench: _Bench) -> Iterator[Target]:
-    rule = DragRule(math.radians(105), "centre", bench.scenario.battlefield.width_m / 2 - 15e3)
+    rule = DragRule(math.radians(105), "centre", edge_of(bench.scenario.battlefield.width_m))
     results = bench.fly(LoiterExpert(rule), bench.missiles).results
     assert results is not None
     loitered = (results.solved == bench.missiles) & (results.outcome == Outcome.TIMEOUT)

@@ -13,6 +13,9 @@ from agents.task import FloatArray, Layout
 SIDES = ("turn", "centre", "exit", "left", "right")
 """How a rule picks the side: the smaller turn, towards the centre line, towards the exit edge, +y, or -y."""
 
+EDGE_MARGIN_M = 15e3
+"""Chosen: room for a half circle at cruising speed and then some."""
+
 
 @dataclass(frozen=True)
 class DragRule:
@@ -67,9 +70,14 @@ class DragRule:
         return up if self.side == "left" else np.where(up == left, right, left)
 
 
+def edge_of(width_m: float) -> float:
+    """Distance from the centre line [m] at which a rule turns back on a battlefield of this width [m]."""
+    return width_m / 2 - EDGE_MARGIN_M
+
+
 def rule_family(width_m: float) -> list[DragRule]:
     """Thirty plans for a battlefield of this width [m]: five ways to choose a side, six angles."""
-    edge = width_m / 2 - 15e3
+    edge = edge_of(width_m)
     angles = [math.radians(degrees) for degrees in (75, 90, 105, 120, 140, 165)]
     return [DragRule(angle, side, edge) for side in SIDES for angle in angles]
 
