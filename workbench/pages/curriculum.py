@@ -77,7 +77,7 @@ class CurriculumPage:
         lattice = _panel(
             "Lattice of tasks",
             pn.pane.Bokeh(self._lattice, sizing_mode="stretch_width", margin=0),
-            note="click a task; blue is Algorithm 3's chain; %: held-out success at which a shipped policy was promoted",
+            note="click a task; blue is Algorithm 3's chain; %: held-out success that promoted the shipped policy",
         )
         launch = _panel("2 · Train", self._form.layout)
         left = _column("1 1 640px", subtasks, lattice)
