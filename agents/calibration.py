@@ -12,7 +12,8 @@ from agents.drag_rules import DragRule, LoiterExpert, edge_of, rule_family
 from agents.evaluation import Evaluation, evaluate
 from agents.expert import DraggingExpert, NavigationExpert, RandomPolicy
 from agents.policy import Policy
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Outcome
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from agents.features import ObservationFeatures
 from sim.observation import UNLAUNCHED, ObservationLayout
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Outcome, World
 

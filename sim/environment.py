@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task, parse_mask
 from sim.world import Fate, Outcome, World
 

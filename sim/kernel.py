@@ -229,6 +229,7 @@ def finish_step(model: Model, state: State, lane: int, position: wp.vec3) -> flo
 
 @wp.kernel
 def step_lanes(
+    first: int,
     model: Model,
     state: State,
     action: wp.array(dtype=float),
@@ -238,12 +239,12 @@ def step_lanes(
     trace: wp.array3d(dtype=float),
     tracing: int,
 ):
-    """One decision step of every lane that still flies.
+    """One decision step of every lane from `first` on that still flies.
 
     Writes reward `terms [L, M + 2]` (goal, missiles, time), the next `observation [L, 7 + 2 M]`, the number of substeps
     `flown [L]` and, when `tracing`, one row of `trace [L, substeps, 14 + 8 M]` per substep.
     """
-    lane = wp.tid()
+    lane = first + wp.tid()
     missiles = state.fate.shape[1]
     for c in range(missiles + 2):
         terms[lane, c] = 0.0

@@ -1,4 +1,4 @@
-"""Scenarios: every number of the world in one frozen object, read from a TOML file and checked."""
+"""Scenarios: every number of the world in one frozen object; `sim.scenario_file` reads and checks them."""
 
 from __future__ import annotations
 
@@ -6,19 +6,18 @@ import dataclasses
 import hashlib
 import json
 import math
-import tomllib
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any
-
-from sim.assets import asset_path
-from sim.errors import ScenarioError
 
 
 def ranged(low: float, high: float) -> Any:
     """A required number with its legal range; the unit is part of the field's name."""
     return dataclasses.field(metadata={"low": low, "high": high})
+
+
+def off_or_up_to(high: float) -> Any:
+    """A number that is 0, off, unless a scenario says otherwise."""
+    return dataclasses.field(default=0.0, metadata={"low": 0.0, "high": high})
 
 
 @dataclass(frozen=True)
@@ -120,6 +119,27 @@ class Start:
 
 
 @dataclass(frozen=True)
+class Variation:
+    """How shots differ from one another: each draws uniform factors 1 - spread .. 1 + spread, seeded by episode."""
+
+    interval_spread: float = off_or_up_to(0.9)
+    thrust_spread: float = off_or_up_to(0.9)
+    drag_spread: float = off_or_up_to(0.9)
+    navigation_spread: float = off_or_up_to(0.9)
+    lag_spread: float = off_or_up_to(0.9)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What the evader's missile warning makes of the truth: Gaussian noise, lost contacts, a late first warning."""
+
+    range_noise_m: float = off_or_up_to(10e3)
+    azimuth_noise_rad: float = off_or_up_to(1.0)
+    drop_out: float = off_or_up_to(1.0)
+    warning_delay_s: float = off_or_up_to(120.0)
+
+
+@dataclass(frozen=True)
 class Scenario:
     """Everything that defines the world; equal scenarios give equal flights."""
 
@@ -133,103 +153,17 @@ class Scenario:
     rules: Rules
     reward: Reward
     start: Start
+    variation: Variation = Variation()
+    sensor: Sensor = Sensor()
 
     @property
     def digest(self) -> str:
-        """Twelve hex digits over all numbers (not the name): policy cards and evaluations carry it."""
+        """Twelve hex digits over all numbers (not the name): policy cards and evaluations carry it.
+
+        What may be off counts only when it is on, so that a world keeps its digest when a new possibility is added.
+        """
         numbers = {k: v for k, v in dataclasses.asdict(self).items() if k not in ("name", "description")}
+        for section in ("variation", "sensor"):
+            switched_on = {key: value for key, value in numbers.pop(section).items() if value}
+            numbers |= {section: switched_on} if switched_on else {}
         return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()[:12]
-
-
-SECTIONS: dict[str, type] = {
-    "battlefield": Battlefield, "evader": Aircraft, "interceptor": Aircraft, "launch": Launch, "missile": Missile,
-    "rules": Rules, "reward": Reward, "start": Start,
-}  # fmt: skip
-
-
-def scenario_names() -> list[str]:
-    """Names of the shipped scenarios, sorted."""
-    return sorted(path.stem for path in asset_path("scenarios").glob("*.toml"))
-
-
-@cache
-def load_scenario(name: str = "default") -> Scenario:
-    """The shipped scenario of that name, or the one in the file of that path.
-
-    Raises:
-        ScenarioError: no such scenario, or the file is damaged; names the key, the value and the legal range.
-    """
-    path = Path(name) if name.endswith(".toml") else asset_path("scenarios", f"{name}.toml")
-    if not path.is_file():
-        raise ScenarioError(f"no scenario '{name}'; there are {', '.join(scenario_names())}, or a path to a .toml file")
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:  # damaged TOML or UTF-8, and whole numbers of thousands of digits
-        raise ScenarioError(f"scenario file {path} is not TOML: {error}") from None
-    return parse_scenario(table, str(path))
-
-
-def parse_scenario(table: dict[str, Any], origin: str) -> Scenario:
-    """A scenario from nested tables as in a file; `origin` is named in errors.
-
-    Raises:
-        ScenarioError: a key is unknown or missing, or a value has the wrong type or lies outside its range.
-    """
-    _check_keys(table, {"name", "description", *SECTIONS}, origin)
-    for key in ("name", "description"):
-        if not isinstance(table[key], str):
-            raise ScenarioError(f"{origin}: {key} must be text, not {table[key]!r}")
-    sections = {key: _section(cls, table[key], f"{origin}: {key}") for key, cls in SECTIONS.items()}
-    scenario = Scenario(name=table["name"], description=table["description"], **sections)
-    _check_relations(scenario, origin)
-    return scenario
-
-
-def _section(cls: type, table: Any, origin: str) -> Any:
-    if not isinstance(table, dict):
-        raise ScenarioError(f"{origin} must be a table, not {table!r}")
-    fields = {field.name: field for field in dataclasses.fields(cls)}
-    _check_keys(table, set(fields), origin)
-    return cls(**{key: _number(table[key], field, f"{origin}.{key}") for key, field in fields.items()})
-
-
-def _check_keys(table: dict[str, Any], legal: set[str], origin: str) -> None:
-    unknown, missing = sorted(set(table) - legal), sorted(legal - set(table))
-    if unknown:
-        raise ScenarioError(f"{origin}: unknown key '{unknown[0]}'; legal are {', '.join(sorted(legal))}")
-    if missing:
-        raise ScenarioError(f"{origin}: key '{missing[0]}' is missing")
-
-
-def _number(value: Any, field: dataclasses.Field, origin: str) -> float | int:
-    low, high = field.metadata["low"], field.metadata["high"]
-    whole = field.type == "int"
-    legal = f"a {'whole ' if whole else ''}number from {low:g} to {high:g}"
-    if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
-        raise ScenarioError(f"{origin} is {value!r}; legal is {legal}")
-    if not low <= value <= high:  # NaN lies in no range
-        raise ScenarioError(f"{origin} is {value}; legal is {legal}")
-    return int(value) if whole else float(value)
-
-
-def _check_relations(scenario: Scenario, origin: str) -> None:
-    start, missile, field = scenario.start, scenario.missile, scenario.battlefield
-    rules = (
-        (start.evader_x_low_m <= start.evader_x_high_m, "start.evader_x_low_m exceeds start.evader_x_high_m"),
-        (
-            start.interceptor_x_low_m <= start.interceptor_x_high_m,
-            "start.interceptor_x_low_m exceeds interceptor_x_high_m",
-        ),
-        (-field.length_m / 2 <= start.evader_x_low_m, "start.evader_x_low_m lies left of the battlefield"),
-        (start.evader_x_high_m < field.length_m / 2, "start.evader_x_high_m lies at or beyond the exit edge"),
-        (start.y_spread_m <= field.width_m / 2, "start.y_spread_m exceeds half the battlefield's width"),
-        (missile.propellant_kg < missile.mass_kg, "missile.propellant_kg is not below missile.mass_kg"),
-        (
-            abs(field.exit_y_m) + field.exit_half_width_m <= field.width_m / 2,
-            "the exit gate reaches beyond the right edge",
-        ),
-        (start.altitude_spread_m < start.altitude_m, "start.altitude_spread_m is not below start.altitude_m"),
-    )
-    for holds, sentence in rules:
-        if not holds:
-            raise ScenarioError(f"{origin}: {sentence}")

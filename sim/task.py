@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from sim.errors import MaskError
 from sim.observation import ObservationLayout
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_file import load_scenario
 
 
 @dataclass(frozen=True)

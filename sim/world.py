@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -69,11 +70,14 @@ class World:
         lanes: number of engagements L stepped together.
         seed: with an episode number it fixes the initial state, whatever the mask and whatever the lane.
         device: Warp device, `"cpu"` or for example `"cuda:0"`.
+        threads: threads that share the lanes on the CPU; flights do not depend on it, bit for bit.
     """
 
-    def __init__(self, task: Task, lanes: int, seed: int = 0, device: str = "cpu") -> None:
+    def __init__(self, task: Task, lanes: int, seed: int = 0, device: str = "cpu", threads: int = 1) -> None:
         start_warp()
         self.task, self.lanes, self.seed, self.device = task, lanes, seed, device
+        self.threads = max(1, min(threads, lanes)) if device == "cpu" else 1
+        self._pool = ThreadPoolExecutor(self.threads) if self.threads > 1 else None
         self._next_episode = 0
         self._model = kernel_model(task.scenario)
         self._state = kernel_state(task, lanes, device)
@@ -106,19 +110,23 @@ class World:
         """Substeps of the last decision step `[n, 14 + 8 M]`; see `kernel.write_trace` for the columns."""
         return self._trace.numpy()[lane, : self._flown.numpy()[lane]].copy()
 
-    def reset(self, lanes: ArrayLike | None = None, episodes: ArrayLike | None = None) -> NDArray[np.float32]:
+    def reset(
+        self, lanes: ArrayLike | None = None, episodes: ArrayLike | None = None, states: ArrayLike | None = None
+    ) -> NDArray[np.float32]:
         """Start lanes (all by default) anew and return the observation of every lane `[L, d]`.
 
         Args:
             lanes: lane numbers, or a boolean mask `[L]`.
             episodes: episode number of each such lane; the next unused numbers by default.
+            states: initial states to use instead of the episodes' own, columns as in `sim.start.initial_states`.
         """
         chosen = np.arange(self.lanes) if lanes is None else np.asarray(lanes)
         if chosen.dtype == bool:
             chosen = np.flatnonzero(chosen)
         if len(chosen):
             numbers = self._number(len(chosen)) if episodes is None else np.asarray(episodes)
-            start = wp.array(initial_states(self.task.scenario, self.seed, numbers), dtype=float, device=self.device)
+            rows = initial_states(self.task.scenario, self.seed, numbers) if states is None else np.asarray(states)
+            start = wp.array(rows.astype(np.float32), dtype=float, device=self.device)
             ids = wp.array(chosen.astype(np.int32), dtype=int, device=self.device)
             arguments = [self._model, self._state, ids, start, self._observation]
             wp.launch(reset_lanes, dim=len(chosen), inputs=arguments, device=self.device)
@@ -127,8 +135,7 @@ class World:
     def step(self, actions: ArrayLike) -> Step:
         """Fly one decision step with turning angles `[L]` or `[L, 1]` [rad], clipped to [-pi/2, pi/2]."""
         self._action.assign(np.asarray(actions, dtype=np.float32).reshape(self.lanes))
-        arguments = [self._model, self._state, self._action, self._terms, self._observation, self._flown]
-        wp.launch(step_lanes, dim=self.lanes, inputs=[*arguments, self._trace, self._tracing], device=self.device)
+        self._launch_step()
         outcome, flew = self.outcome, self._flown.numpy() > 0
         ended = flew & (outcome != Outcome.FLYING)
         truncated = ended & (outcome == Outcome.TIMEOUT)
@@ -158,6 +165,19 @@ class World:
     def steps(self) -> NDArray[np.int32]:
         """Decision steps flown in the current episode `[L]`."""
         return self._state.steps.numpy().copy()
+
+    def _launch_step(self) -> None:
+        if self._pool is None:
+            self._step_share(0, self.lanes)
+            return
+        bounds = [self.lanes * n // self.threads for n in range(self.threads + 1)]
+        # A launch on the CPU releases Python's lock, so shares fly at the same time.
+        list(self._pool.map(self._step_share, bounds[:-1], bounds[1:]))
+
+    def _step_share(self, first: int, end: int) -> None:
+        arguments = [self._model, self._state, self._action, self._terms, self._observation, self._flown]
+        inputs = [first, *arguments, self._trace, self._tracing]
+        wp.launch(step_lanes, dim=end - first, inputs=inputs, device=self.device)
 
     def _number(self, count: int) -> NDArray[np.int64]:
         first, self._next_episode = self._next_episode, self._next_episode + count

@@ -11,7 +11,7 @@ import pytest
 
 from agents.config import VARIANTS
 from agents.hyperparameters import PROFILES
-from sim.scenario import scenario_names
+from sim.scenario_file import scenario_names
 from workbench.app import PAGES
 from workbench.cli import COMMANDS
 from workbench.policies import EXPERTS, shipped_policies

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from agents.expert import DraggingExpert
 from agents.policy import Act, bind
 from sim.reference import ReferenceWorld
-from sim.scenario import Scenario, load_scenario
+from sim.scenario import Scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Fate, Outcome, World
 

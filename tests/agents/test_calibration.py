@@ -12,7 +12,7 @@ from agents.calibration import SEED, Target, calibrate
 from agents.drag_rules import rule_family
 from agents.evaluation import evaluate
 from agents.expert import DraggingExpert
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 
 DEFAULT = load_scenario()

@@ -11,7 +11,7 @@ from agents.checkpoint import load_policy
 from agents.curriculum import build_curriculum
 from agents.evaluation import evaluate
 from sim.assets import asset_path
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 
 TARGET = Task(load_scenario())

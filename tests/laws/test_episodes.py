@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from sim.scenario import load_scenario, scenario_names
+from sim.scenario_file import load_scenario, scenario_names
 from sim.trajectory import fly
 from sim.world import Fate, Outcome, World
 from tests.engagements import Flights, changed, circle, drag, fly_lanes, task

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.trajectory import BodyTrack, Event, MissileTrack, Trajectory
 from sim.world import Fate, Outcome

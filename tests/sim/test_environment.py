@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode
 from sim import environment
 from sim.environment import EvasionEnv, EvasionVectorEnv, make_task, observation_space
 from sim.errors import MaskError, ScenarioError
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import World
 from tests.engagements import MASKS, changed, drag, fly_lanes, random_turns, task

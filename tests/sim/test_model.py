@@ -9,7 +9,7 @@ import pytest
 
 from sim.device import start_warp
 from sim.model import kernel_model, kernel_state
-from sim.scenario import SECTIONS
+from sim.scenario_file import SECTIONS
 from sim.world import World
 from tests.engagements import DRILL, MASKS, changed, circle, drag, fly_lanes, task, to_exit
 

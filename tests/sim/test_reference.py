@@ -13,7 +13,7 @@ import sim.reference
 import sim.reference_physics
 from agents.expert import DraggingExpert
 from sim.reference import ReferenceWorld
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Fate, Outcome, World
 from tests.engagements import DRILL, Policy, changed, circle, drag, random_turns, straight, task, wrapped

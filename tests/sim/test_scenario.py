@@ -12,7 +12,8 @@ import pytest
 
 from sim.assets import asset_path
 from sim.errors import ScenarioError
-from sim.scenario import SECTIONS, Scenario, load_scenario, parse_scenario, scenario_names
+from sim.scenario import Scenario
+from sim.scenario_file import OPTIONAL, SECTIONS, load_scenario, parse_scenario, scenario_names
 from tests.engagements import DRILL, changed
 
 NUMBERS = [(section, field) for section, cls in SECTIONS.items() for field in dataclasses.fields(cls)]
@@ -62,7 +63,7 @@ def test_the_drill_itself_is_legal() -> None:
         ("name", 3, "drill.toml: name must be text, not 3"),
         ("description", None, "drill.toml: description must be text, not None"),
         ("weather", {}, "drill.toml: unknown key 'weather'; legal are battlefield, description, evader, interceptor, "
-         "launch, missile, name, reward, rules, start"),
+         "launch, missile, name, reward, rules, sensor, start, variation"),
         ("rules.wind_m_s", 3.0, "drill.toml: rules: unknown key 'wind_m_s'; legal are max_steps, outside_steps, "
          "step_s, substeps"),
     ],
@@ -79,6 +80,8 @@ def test_every_number_is_checked_against_its_range(section: str, field: dataclas
     step = 1 if field.type == "int" else (high - low) / 10
     for wrong in (low - step, high + step, math.nan, math.inf, True, "1", None):
         assert refusal({path: wrong}).startswith(f"drill.toml: {path} is ")
+    if section in OPTIONAL:
+        return
     values = table()
     del values[section][field.name]
     with pytest.raises(ScenarioError) as error:
@@ -86,7 +89,27 @@ def test_every_number_is_checked_against_its_range(section: str, field: dataclas
     assert str(error.value) == f"drill.toml: {section}: key '{field.name}' is missing"
 
 
-@pytest.mark.parametrize("section", [*SECTIONS, "name", "description"])
+@pytest.mark.parametrize("section", sorted(OPTIONAL))
+def test_what_may_be_left_out_is_off_and_leaves_the_digest_alone(section: str) -> None:
+    plain, off, on = table(), table(), table()
+    fields = [field.name for field in dataclasses.fields(SECTIONS[section])]
+    del plain[section]
+    off[section] = dict.fromkeys(fields, 0.0)
+    on[section] = {fields[0]: 0.1}
+    digests = [parse_scenario(values, "drill.toml").digest for values in (plain, off, on)]
+    assert digests[0] == digests[1] != digests[2]
+
+
+def test_an_edited_file_is_read_anew(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    text = asset_path("scenarios", "default.toml").read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+    before = load_scenario(str(path))
+    path.write_text(text.replace("interval_s = 20.0", "interval_s = 25.0"), encoding="utf-8")
+    assert (before.launch.interval_s, load_scenario(str(path)).launch.interval_s) == (20.0, 25.0)
+
+
+@pytest.mark.parametrize("section", [*sorted(set(SECTIONS) - OPTIONAL), "name", "description"])
 def test_a_missing_section_is_named(section: str) -> None:
     values = table()
     del values[section]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sim.errors import MaskError, ScenarioError
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task, parse_mask, task_for
 from tests.engagements import DRILL, MASKS, changed, task
 

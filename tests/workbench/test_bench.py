@@ -12,7 +12,7 @@ import torch
 
 from sim.errors import UsageError
 from sim.reference import ReferenceWorld
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Fate, World
 from workbench import bench_learner, bench_page, bench_sim

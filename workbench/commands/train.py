@@ -67,7 +67,7 @@ def configuration(args: Args, seed: int) -> TrainingConfig:
     """
     from agents.config import TrainingConfig
     from sim.errors import UsageError
-    from sim.scenario import load_scenario
+    from sim.scenario_file import load_scenario
 
     if args.curriculum and args.missiles is not None:
         raise UsageError("--curriculum learns every stage and --missiles a single one; give one of them")

@@ -6,7 +6,7 @@ from urllib.parse import parse_qsl, urlencode
 
 import panel as pn
 
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from workbench.runs import Run
 
 

@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 from layouts.lattice import lattice_figure, mask_text
 from layouts.theme import NEUTRAL, POLICY_A, SUCCESS, missile_colour
 from sim.errors import MaskError
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task, parse_mask
 from workbench.context import AppContext
 from workbench.pages.address import go_to, read_query, write_query

@@ -13,7 +13,7 @@ import panel_material_ui as pmui
 
 from layouts.theme import POLICY_A, POLICY_B
 from sim.errors import SubMasError
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.trajectory import Trajectory
 from workbench.context import AppContext
 from workbench.flight_view import FlightView

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.trajectory import Trajectory, fly
 from workbench.pages.fly_settings import FlySettings

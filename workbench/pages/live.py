@@ -10,7 +10,7 @@ import panel_material_ui as pmui
 
 from agents.config import TrainingConfig
 from sim.errors import SubMasError
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task
 from workbench.context import AppContext
 from workbench.pages.address import fly_address, read_query, write_query

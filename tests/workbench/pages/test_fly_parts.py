@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.world import Outcome
 from tests.layouts.sample import END_S, sample_flight
 from workbench.pages.fly_cards import clock_text, distance_text, flight_card, outcome_text

@@ -12,7 +12,7 @@ import pytest
 
 from agents.config import TrainingConfig
 from sim.errors import UsageError
-from sim.scenario import load_scenario
+from sim.scenario_file import load_scenario
 from sim.task import Task, task_for
 from workbench import launcher
 from workbench.context import AppContext

@@ -1,0 +1,127 @@
+"""Scenario files: TOML tables read, checked key by key, and turned into a `Scenario`."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from sim.assets import asset_path
+from sim.errors import ScenarioError
+from sim.scenario import (
+    Aircraft,
+    Battlefield,
+    Launch,
+    Missile,
+    Reward,
+    Rules,
+    Scenario,
+    Sensor,
+    Start,
+    Variation,
+)
+
+SECTIONS: dict[str, type] = {
+    "battlefield": Battlefield, "evader": Aircraft, "interceptor": Aircraft, "launch": Launch, "missile": Missile,
+    "rules": Rules, "reward": Reward, "start": Start, "variation": Variation, "sensor": Sensor,
+}  # fmt: skip
+OPTIONAL = {"variation", "sensor"}
+"""Sections a file may leave out, as it may leave out their keys: what is not said is off."""
+
+
+def scenario_names() -> list[str]:
+    """Names of the shipped scenarios, sorted."""
+    return sorted(path.stem for path in asset_path("scenarios").glob("*.toml"))
+
+
+def load_scenario(name: str = "default") -> Scenario:
+    """The shipped scenario of that name, or the one in the file of that path.
+
+    Raises:
+        ScenarioError: no such scenario, or the file is damaged; names the key, the value and the legal range.
+    """
+    path = Path(name) if name.endswith(".toml") else asset_path("scenarios", f"{name}.toml")
+    if not path.is_file():
+        raise ScenarioError(f"no scenario '{name}'; there are {', '.join(scenario_names())}, or a path to a .toml file")
+    return _load(path.read_bytes(), str(path))
+
+
+@cache
+def _load(content: bytes, origin: str) -> Scenario:
+    # Kept by content, so that an edited file is read anew.
+    try:
+        table = tomllib.loads(content.decode())
+    except ValueError as error:  # damaged TOML or UTF-8, and whole numbers of thousands of digits
+        raise ScenarioError(f"scenario file {origin} is not TOML: {error}") from None
+    return parse_scenario(table, origin)
+
+
+def parse_scenario(table: dict[str, Any], origin: str) -> Scenario:
+    """A scenario from nested tables as in a file; `origin` is named in errors.
+
+    Raises:
+        ScenarioError: a key is unknown or missing, or a value has the wrong type or lies outside its range.
+    """
+    _check_keys(table, {"name", "description", *SECTIONS}, origin, OPTIONAL)
+    for key in ("name", "description"):
+        if not isinstance(table[key], str):
+            raise ScenarioError(f"{origin}: {key} must be text, not {table[key]!r}")
+    sections = {key: _section(SECTIONS[key], table[key], f"{origin}: {key}") for key in SECTIONS if key in table}
+    scenario = Scenario(name=table["name"], description=table["description"], **sections)
+    _check_relations(scenario, origin)
+    return scenario
+
+
+def _section(cls: type, table: Any, origin: str) -> Any:
+    if not isinstance(table, dict):
+        raise ScenarioError(f"{origin} must be a table, not {table!r}")
+    fields = {field.name: field for field in dataclasses.fields(cls)}
+    optional = {name for name, field in fields.items() if field.default is not dataclasses.MISSING}
+    _check_keys(table, set(fields), origin, optional)
+    return cls(**{key: _number(value, fields[key], f"{origin}.{key}") for key, value in table.items()})
+
+
+def _check_keys(table: dict[str, Any], legal: set[str], origin: str, optional: set[str]) -> None:
+    unknown, missing = sorted(set(table) - legal), sorted(legal - set(table) - optional)
+    if unknown:
+        raise ScenarioError(f"{origin}: unknown key '{unknown[0]}'; legal are {', '.join(sorted(legal))}")
+    if missing:
+        raise ScenarioError(f"{origin}: key '{missing[0]}' is missing")
+
+
+def _number(value: Any, field: dataclasses.Field, origin: str) -> float | int:
+    low, high = field.metadata["low"], field.metadata["high"]
+    whole = field.type == "int"
+    legal = f"a {'whole ' if whole else ''}number from {low:g} to {high:g}"
+    if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
+        raise ScenarioError(f"{origin} is {value!r}; legal is {legal}")
+    if not low <= value <= high:  # NaN lies in no range
+        raise ScenarioError(f"{origin} is {value}; legal is {legal}")
+    return int(value) if whole else float(value)
+
+
+def _check_relations(scenario: Scenario, origin: str) -> None:
+    start, missile, field, rules = scenario.start, scenario.missile, scenario.battlefield, scenario.rules
+    relations = (
+        (start.evader_x_low_m <= start.evader_x_high_m, "start.evader_x_low_m exceeds start.evader_x_high_m"),
+        (
+            start.interceptor_x_low_m <= start.interceptor_x_high_m,
+            "start.interceptor_x_low_m exceeds interceptor_x_high_m",
+        ),
+        (-field.length_m / 2 <= start.evader_x_low_m, "start.evader_x_low_m lies left of the battlefield"),
+        (start.evader_x_high_m < field.length_m / 2, "start.evader_x_high_m lies at or beyond the exit edge"),
+        (start.y_spread_m <= field.width_m / 2, "start.y_spread_m exceeds half the battlefield's width"),
+        (missile.propellant_kg < missile.mass_kg, "missile.propellant_kg is not below missile.mass_kg"),
+        (
+            abs(field.exit_y_m) + field.exit_half_width_m <= field.width_m / 2,
+            "the exit gate reaches beyond the right edge",
+        ),
+        (start.altitude_spread_m < start.altitude_m, "start.altitude_spread_m is not below start.altitude_m"),
+        # Else a missile could be spent in the very step in which it was fired and never be seen, against Eq. (12).
+        (missile.arm_s >= rules.step_s, "missile.arm_s is below rules.step_s"),
+    )
+    for holds, sentence in relations:
+        if not holds:
+            raise ScenarioError(f"{origin}: {sentence}")
