@@ -1,8 +1,9 @@
-"""Scenario files: TOML tables read, checked key by key, and turned into a `Scenario`."""
+"""Scenario files: TOML tables read, checked key by key, and turned into a `Scenario`; and scenarios as such text."""
 
 from __future__ import annotations
 
 import dataclasses
+import json
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -72,6 +73,36 @@ def parse_scenario(table: dict[str, Any], origin: str) -> Scenario:
     scenario = Scenario(name=table["name"], description=table["description"], **sections)
     _check_relations(scenario, origin)
     return scenario
+
+
+def scenario_text(scenario: Scenario) -> str:
+    """The scenario as the text of a TOML file: `parse_scenario` of what it holds is equal to it.
+
+    Raises:
+        ScenarioError: name or description hold half a surrogate pair, which no file can hold.
+    """
+    parts = [f"name = {_quoted(scenario.name)}\ndescription = {_quoted(scenario.description)}\n"]
+    for name in SECTIONS:
+        section = getattr(scenario, name)
+        if name in OPTIONAL and section == type(section)():
+            continue
+        lines = [_line(field, getattr(section, field.name)) for field in dataclasses.fields(section)]
+        parts.append("".join([f"[{name}]\n", *lines]))
+    return "\n".join(parts)
+
+
+def _line(field: dataclasses.Field, value: float | int) -> str:
+    # repr is the shortest text that reads back as the same number; NumPy's numbers would name their type in it.
+    return f"{field.name} = {int(value) if field.type == 'int' else float(value)!r}\n"
+
+
+def _quoted(text: str) -> str:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise ScenarioError(f"{text!a} cannot be written to a scenario file; use Unicode characters only") from None
+    # TOML reads JSON's strings, except that it wants the delete character escaped as well.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _section(cls: type, table: Any, origin: str) -> Any:
