@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from layouts.captions import clock_text, distance_text, outcome_text
 from sim.scenario_file import load_scenario
 from sim.world import Outcome
 from tests.layouts.sample import END_S, sample_flight
-from workbench.pages.fly_cards import clock_text, distance_text, flight_card, outcome_text
+from workbench.pages.fly_cards import flight_card
 from workbench.pages.fly_events import event_rows
 from workbench.pages.fly_figures import ChartPairs, Pair
 from workbench.runs import RunStore
