@@ -1,20 +1,16 @@
-"""Engagements as files: one writer per suffix, and a sentence for every other suffix."""
+"""Engagements as files: one format per suffix, and a sentence for every other suffix."""
 
 from __future__ import annotations
 
-import csv
-import io
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sim.errors import SubMasError, UsageError
-from sim.trajectory import BodyTrack, MissileTrack, Trajectory
+from sim.trajectory import Trajectory
 from workbench.run_files import write_bytes
 
-Columns = dict[str, NDArray[np.float64]]
+Encoder = Callable[[Trajectory], bytes]
 
 
 class ExportError(SubMasError):
@@ -25,70 +21,104 @@ def check_target(path: Path) -> None:
     """Refuse a file that cannot be written, before the engagement is flown.
 
     Raises:
-        UsageError: the suffix is not one of WRITERS.
-        ExportError: the folder does not exist.
+        UsageError: the suffix is not one of FORMATS.
+        ExportError: the folder does not exist, or the file is a folder.
     """
-    if path.suffix.lower() not in WRITERS:
-        given = f"ends in '{path.suffix}'" if path.suffix else "has no suffix"
-        raise UsageError(f"--out {path} {given}; legal are {', '.join(sorted(WRITERS))}")
+    suffix_of(path)
     if not path.parent.is_dir():
         raise ExportError(f"--out {path}: there is no folder {path.parent}")
+    if path.is_dir():
+        raise ExportError(f"--out {path} is a folder; give it another name")
+
+
+def suffix_of(path: Path) -> str:
+    """The legal suffix a file name ends in, the longest if several do.
+
+    Raises:
+        UsageError: it ends in none of FORMATS.
+    """
+    name = path.name.lower()
+    found = [suffix for suffix in FORMATS if name.endswith(suffix) and name != suffix]
+    if not found:
+        given = f"ends in '{path.suffix}'" if path.suffix else "has no suffix"
+        raise UsageError(f"--out {path} {given}; legal are {', '.join(sorted(FORMATS))}")
+    return max(found, key=len)
 
 
 def export(flight: Trajectory, path: Path) -> None:
-    """Write an engagement in the format its suffix names.
+    """Write an engagement in the format its suffix names: the whole file, or none.
 
     Raises:
-        ExportError: the file cannot be written.
+        UsageError: the suffix is not one of FORMATS.
+        SubMasError: the file cannot be written.
     """
     check_target(path)
     try:
-        WRITERS[path.suffix.lower()](flight, path)
+        data = encode(flight, suffix_of(path))
     except OSError as error:
         raise ExportError(f"--out {path} cannot be written: {error.strerror or error}") from error
+    write_bytes(path, data)
 
 
-def table(flight: Trajectory) -> Columns:
-    """Columns `[T]` by name, one value per recorded instant; NaN while a missile does not fly."""
-    columns: Columns = {"time_s": flight.time_s}
-    columns |= _body("evader", flight.evader) | _body("interceptor", flight.interceptor)
-    for missile in flight.missiles:
-        columns |= _missile(missile)
-    # Actions and rewards belong to whole decision steps: each instant shows those of the step it lies in.
-    step = np.clip(np.searchsorted(flight.step_time_s, flight.time_s, side="right") - 1, 0, len(flight.action_rad) - 1)
-    columns["action_rad"] = flight.action_rad[step]
-    columns["reward"] = flight.reward_terms.sum(axis=1)[step]
-    return columns
+def encode(flight: Trajectory, suffix: str) -> bytes:
+    """An engagement as the content of a file with this suffix, one of FORMATS."""
+    return FORMATS[suffix](flight)
 
 
-def _body(name: str, track: BodyTrack) -> Columns:
-    places = {f"{name}_{axis}_m": track.position_m[:, i] for i, axis in enumerate("xyz")}
-    angles = {f"{name}_{kind}_rad": getattr(track, f"{kind}_rad") for kind in ("heading", "pitch", "bank")}
-    return places | angles | {f"{name}_speed_m_s": track.speed_m_s}
+def _csv(flight: Trajectory) -> bytes:
+    from workbench.flight_table import csv_bytes
+
+    return csv_bytes(flight)
 
 
-def _missile(track: MissileTrack) -> Columns:
-    name = f"missile_{track.number}"
-    places = {f"{name}_{axis}_m": track.position_m[:, i] for i, axis in enumerate("xyz")}
-    kinds = ("heading_rad", "pitch_rad", "speed_m_s", "range_m", "azimuth_rad")
-    return places | {f"{name}_{kind}": getattr(track, kind) for kind in kinds}
+def _parquet(flight: Trajectory) -> bytes:
+    from workbench.flight_table import parquet_bytes
+
+    return parquet_bytes(flight)
 
 
-def _write_csv(flight: Trajectory, path: Path) -> None:
-    columns = table(flight)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    for row in zip(*columns.values(), strict=True):
-        writer.writerow("" if np.isnan(value) else f"{value:.9g}" for value in row)
-    write_bytes(path, text.getvalue().encode())
+def _rrd(flight: Trajectory) -> bytes:
+    from layouts.captions import caption
 
-
-def _write_rrd(flight: Trajectory, path: Path) -> None:
     from workbench.recordings import write_recording
 
-    write_recording(path, {flight.policy: flight})
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder) / "flight.rrd"
+        write_recording(scratch, {caption(flight): flight})
+        return scratch.read_bytes()
 
 
-WRITERS: dict[str, Callable[[Trajectory, Path], None]] = {".csv": _write_csv, ".rrd": _write_rrd}
-"""Suffix -> writer."""
+def _acmi(flight: Trajectory) -> bytes:
+    from workbench.acmi import acmi_text
+
+    return acmi_text(flight).encode()
+
+
+def _zipped_acmi(flight: Trajectory) -> bytes:
+    from workbench.acmi import zipped_acmi
+
+    return zipped_acmi(flight)
+
+
+def _png(flight: Trajectory) -> bytes:
+    from layouts.flight_figure import picture
+
+    return picture(flight, "png")
+
+
+def _svg(flight: Trajectory) -> bytes:
+    from layouts.flight_figure import picture
+
+    return picture(flight, "svg")
+
+
+FORMATS: dict[str, Encoder] = {
+    ".csv": _csv,
+    ".parquet": _parquet,
+    ".rrd": _rrd,
+    ".acmi": _acmi,
+    ".zip.acmi": _zipped_acmi,
+    ".png": _png,
+    ".svg": _svg,
+}
+"""Suffix -> content of the file; `docs/exports.md` tells of them. Encoders import their libraries when asked for."""

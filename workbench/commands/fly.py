@@ -24,7 +24,8 @@ class Args:
     seed: int = 0
     """Initial state: the same seed starts the same engagement for every policy and mask."""
     out: Path | None = None
-    """Write the engagement to this file: .csv (a row per instant) or .rrd (a Rerun recording)."""
+    """Write the engagement to this file: .csv or .parquet (a row per instant), .rrd (Rerun), .acmi or .zip.acmi (Tacview),
+    .png or .svg (a picture)."""
     runs: Path = Path("runs")
     """Folder of the runs."""
     json: bool = False
