@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
 from agents.hyperparameters import PROFILES, ConfigError, Hyperparameters
+from sim.scenario_file import load_scenario
 
 __all__ = ["PROFILES", "VARIANTS", "ConfigError", "Hyperparameters", "TrainingConfig", "Variant"]
 
@@ -45,6 +46,8 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
 
 ProfileName = Literal["paper", "fast", "smoke"]
 VariantName = Literal["submas", "wo-pd", "wo-pr", "dec-pd", "dec-pr", "td3"]
+EVERY_MISSILE: Final = -1
+"""Number of missiles that stands for all of the scenario's; a configuration turns it into their number."""
 _CHOICES: Final = {"profile": get_args(ProfileName), "variant": get_args(VariantName)}
 _RANGES: Final = {"missiles": (1, 64), "seed": (0, 2**31 - 1)}
 _TYPES: Final = {"str": str, "bool": bool, "int": int, "ProfileName": str, "VariantName": str}
@@ -58,8 +61,8 @@ class TrainingConfig:
     """Scenario by name, or the path of a scenario file."""
     curriculum: bool = False
     """Train the whole chain of source tasks (Algorithm 5) instead of one stage (Algorithm 4)."""
-    missiles: int = 4
-    """Train the task with missiles 1 … N; with a curriculum it is the target."""
+    missiles: int = EVERY_MISSILE
+    """Train the task with missiles 1 … N, all of the scenario's by default; with a curriculum it is the target."""
     guide: str = ""
     """Policy that guides the (first) stage; empty takes that of the next easier task."""
     variant: VariantName = "submas"
@@ -72,15 +75,19 @@ class TrainingConfig:
     """Free text to recognise the run by."""
 
     def __post_init__(self) -> None:
-        """Reject unknown profiles and variants and numbers out of range.
+        """Count the missiles if that was left open; reject unknown profiles and variants and numbers out of range.
 
         Raises:
             ConfigError: naming the field, its value and what is legal.
+            ScenarioError: the missiles are to be counted and there is no such scenario.
         """
-        for item in dataclasses.fields(self):
-            _check_field(item.name, getattr(self, item.name), _TYPES[str(item.type)])
+        _check_field("scenario", self.scenario, str)
         if not self.scenario.strip():
             raise ConfigError("scenario is empty; give the name of a scenario, for example 'default'")
+        if self.missiles == EVERY_MISSILE:
+            object.__setattr__(self, "missiles", load_scenario(self.scenario).launch.missiles)
+        for item in dataclasses.fields(self):
+            _check_field(item.name, getattr(self, item.name), _TYPES[str(item.type)])
         if len(self.name) > 200 or not self.name.isprintable():
             raise ConfigError("name must be one printable line of at most 200 characters")
 

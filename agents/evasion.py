@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from agents.features import ObservationFeatures
+from agents.hyperparameters import ConfigError
 from sim.observation import UNLAUNCHED, ObservationLayout
 from sim.scenario_file import load_scenario
 from sim.task import Task
@@ -33,8 +34,15 @@ class EvasionDomain:
         return ObservationLayout(subtasks)
 
     def target(self, scenario: str, subtasks: int) -> Task:
-        """The engagement of a scenario with missiles 1 … n."""
+        """The engagement of a scenario with missiles 1 … n.
+
+        Raises:
+            ConfigError: the scenario has fewer missiles.
+            ScenarioError: there is no such scenario.
+        """
         task = Task(load_scenario(scenario))
+        if subtasks > len(task.missiles):
+            raise ConfigError(f"missiles is {subtasks}; legal with scenario '{scenario}' is 1 to {len(task.missiles)}")
         return task.mask(missile for missile in task.missiles if missile > subtasks)
 
     def subtasks(self, task: Task) -> tuple[int, ...]:

@@ -58,8 +58,8 @@ class Task:
         return self.scenario == source.scenario and self.masked <= source.masked
 
 
-def parse_mask(text: str, missiles: int = 4) -> frozenset[int]:
-    """Masked missiles from text such as `"1,2"`; empty text masks none.
+def parse_mask(text: str, missiles: int) -> frozenset[int]:
+    """Masked missiles from text such as `"1,2"`, of an interceptor that carries `missiles`; empty text masks none.
 
     Raises:
         MaskError: not numbers separated by commas, or a number outside 1..`missiles`.

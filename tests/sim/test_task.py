@@ -36,25 +36,25 @@ def test_all_sixteen_tasks_have_different_names() -> None:
     [("", set()), ("1", {1}), ("1,2", {1, 2}), (" 2 , 4 ", {2, 4}), ("4,4", {4}), ("4,2,3", {2, 3, 4}), ("1,", {1})],
 )
 def test_masks_that_a_person_types(text: str, masked: set[int]) -> None:
-    assert parse_mask(text) == masked
+    assert parse_mask(text, 4) == masked
 
 
 @pytest.mark.parametrize("text", ["a", "1 2", "1;2", "1.5", "one", "0x1", "1-3", "--mask"])
 def test_a_mask_that_is_no_list_of_numbers(text: str) -> None:
     with pytest.raises(MaskError) as error:
-        parse_mask(text)
+        parse_mask(text, 4)
     assert str(error.value) == f"mask '{text}' is not a list of missiles; write numbers from 1 to 4, as in 1,2"
 
 
 @pytest.mark.parametrize(("text", "named"), [("5", "5"), ("0", "0"), ("-1", "-1"), ("9,1,7", "7, 9")])
 def test_a_mask_that_names_missiles_there_are_not(text: str, named: str) -> None:
     with pytest.raises(MaskError) as error:
-        parse_mask(text)
+        parse_mask(text, 4)
     assert str(error.value) == f"mask names missile {named}; legal are 1 to 4"
 
 
 def test_legal_missiles_are_those_of_the_scenario() -> None:
-    assert parse_mask("6", missiles=6) == {6}
+    assert parse_mask("6", 6) == {6}
     with pytest.raises(MaskError, match="legal are 1 to 2"):
         Task(changed(launch={"missiles": 2}), frozenset({3}))
 

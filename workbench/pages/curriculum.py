@@ -107,7 +107,8 @@ class CurriculumPage:
 
     def _tap(self, _attribute: str, _old: object, indices: list[int]) -> None:
         if indices:
-            self._pictures.masked = sorted(parse_mask(str(self._nodes.data["mask"][indices[0]])))
+            mask = str(self._nodes.data["mask"][indices[0]])
+            self._pictures.masked = sorted(parse_mask(mask, self._scenario.launch.missiles))
             # Cleared, so that the same node can be tapped again.
             self._nodes.selected.indices = []
 
