@@ -92,7 +92,9 @@ def check_out(out: Path, force: bool) -> None:
         raise UsageError(f"--out {out} is not a .toml file; a scenario file is")
     if not out.parent.is_dir():
         raise UsageError(f"--out {out}: there is no folder {out.parent}")
-    if out.is_dir() or (out.exists() and not force):
+    if out.is_dir():
+        raise UsageError(f"--out {out} is a folder; name a file")
+    if out.exists() and not force:
         raise UsageError(f"--out {out} exists already; name another file, or add --force to replace it")
     scenario_text(dataclasses.replace(load_scenario(), name=out.stem))
 

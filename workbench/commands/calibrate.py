@@ -53,7 +53,7 @@ def _check(args: Args) -> None:
     if args.search and args.out is None:
         raise UsageError("--search needs a file to write; add --out and a name such as mine.toml")
     of_search = {name: getattr(args, name) for name in ("seed", "candidates", "minutes", "out", "force")}
-    given = [f"--{name}" for name, value in of_search.items() if value not in (None, False)]
+    given = [f"--{name}" for name, value in of_search.items() if value is not None and value is not False]
     if given and not args.search:
         raise UsageError(f"{given[0]} belongs to a search; add --search")
 
