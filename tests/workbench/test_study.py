@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 from workbench import cli
+
+PAGE = Path(__file__).parents[2] / "docs/envelope.md"
+COLUMNS = {"nose, 0°": 0.0, "90° left": 90.0, "tail, 180°": -180.0, "90° right": -90.0}
+"""Columns of the page's table, and the aspects they stand for [deg]."""
 
 SMALL = ["study", "envelope", "expert-dragging", "--x", "launch_range_m=5e3:40e3:5", "--y", "aspect_deg=-180:120:6"]
 
@@ -100,3 +105,39 @@ def test_a_policy_without_eyes_for_the_missile_says_so(capsys: pytest.CaptureFix
 def test_a_file_in_no_folder_is_refused_before_anything_flies(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["study", "envelope", "expert-dragging", "--out", "nowhere/a.png"]) == 1
     assert "there is no folder nowhere" in capsys.readouterr().err
+
+
+def page_table() -> dict[str, dict[float, float]]:
+    """Policy -> aspect [deg] -> last hit [km], as the page says."""
+    lines = [line.strip("|").split("|") for line in PAGE.read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
+    cells = [[cell.strip() for cell in line] for line in lines]
+    (header,) = (row for row in cells if row[0] == "last hit [km]")
+    told = {}
+    for name, *values in (row for row in cells if row[0].startswith("`")):
+        told[name.strip("`")] = {COLUMNS[side]: float(km) for side, km in zip(header[1:], values, strict=True)}
+    return told
+
+
+@pytest.mark.parametrize("policy", ["expert-navigation", "expert-dragging", "submas-target"])
+def test_the_page_tells_what_the_command_prints(policy: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["study", "envelope", policy, "--y", "aspect_deg=-180:90:4", "--json"]) == 0
+    boundaries = json.loads(capsys.readouterr().out)["boundaries"]
+    told = page_table()[policy]
+    for row in boundaries:
+        # Two cells: other rounding may move a boundary.
+        assert row["last_hit_m"] / 1e3 == pytest.approx(told[row["aspect_deg"]], abs=0.6)
+
+
+def test_every_picture_of_the_page_is_small_and_made_by_a_line_of_it() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    pictures = set(re.findall(r"\]\(([\w-]+\.png)\)", page))
+    assert len(pictures) == 4
+    for name in pictures:
+        assert (PAGE.parent / name).stat().st_size < 200_000
+        assert re.search(rf"^workbench study envelope .*--out docs/{name}$", page, re.MULTILINE)
+
+
+def test_the_example_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    (block,) = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    exec(compile(block, str(PAGE), "exec"), {})
+    assert 0.0 < float(capsys.readouterr().out.split()[0]) < 1.0
