@@ -36,7 +36,7 @@ class Envelope:
     kind: str
     """`shot`: one missile, fired at once, until it is decided. `engagement`: whole engagements of the scenario."""
     missiles: tuple[int, ...]
-    """Missiles that are not masked."""
+    """Missiles that are not masked; in the cell with the most of them, if their number is an axis."""
     seed: int
     episodes: int
     """Flights in each cell: episodes 0, 1, ... of the seed, the same in every cell."""
@@ -133,8 +133,8 @@ def envelope(
         for name, values in _averages(flights, episodes).items():
             maps[name].flat[part.cells] = values
     return Envelope(
-        policy.name, scenario.name, scenario.digest, "shot" if is_shot else "engagement", parts[0].task.missiles,
-        seed, episodes, x, y, fixed, **maps,
+        policy.name, scenario.name, scenario.digest, "shot" if is_shot else "engagement",
+        max((part.task.missiles for part in parts), key=len), seed, episodes, x, y, fixed, **maps,
     )  # fmt: skip
 
 

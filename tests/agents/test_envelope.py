@@ -173,7 +173,7 @@ def test_no_missile_is_never_close() -> None:
     x, y = parse_axis("launch.missiles=1:4:2"), parse_axis("launch.range_m=1e3:2e3:2")
     study = envelope(NavigationExpert(), changed(launch={"range_min_m": 5e3}), x, y, episodes=2)
     assert (study.survived == 1.0).all() and np.isnan(study.closest_m).all()
-    assert x.values == (1.0, 4.0)
+    assert (x.values, study.missiles) == ((1.0, 4.0), (1, 2, 3, 4))
 
 
 def test_a_number_of_the_scenario_goes_with_an_aspect() -> None:
