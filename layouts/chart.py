@@ -12,7 +12,7 @@ from bokeh.models import ColumnDataSource, CustomAction, CustomJS, HoverTool, Le
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
-from layouts.theme import NEUTRAL
+from layouts.theme import NEUTRAL, ink_dash
 from sim.trajectory import Trajectory
 
 Columns = dict[str, NDArray[Any]]
@@ -126,7 +126,10 @@ def add_lines(fig: figure, source: ColumnDataSource, x: str, lines: Sequence[tup
     """Draw (column, label, colour) as lines with a hover and a legend above whose entries hide their line."""
     entries = []
     for column, label, colour in lines:
-        glyph = fig.line(x, column, source=source, color=colour, line_width=2.2, line_join="round", name=column)
+        glyph = fig.line(
+            x, column, source=source, color=colour, line_width=2.2, line_join="round", line_dash=ink_dash(colour),
+            name=column,
+        )  # fmt: skip
         glyph.nonselection_glyph = None
         entries.append((label, [glyph]))
     tips = [(x.replace("_s", " [s]"), f"@{x}{{0.0}}"), ("", "$name: @$name{0.00}")]

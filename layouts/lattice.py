@@ -1,31 +1,26 @@
-"""The lattice of tasks: every mask, by number of missiles left, with the chain of Algorithm 3 (Fig. 5)."""
+"""The lattice of tasks: every mask, by number of missiles left, with the chain of Algorithm 3 (Fig. 5).
+
+Up to four missiles every task has its name and all links are drawn. Beyond that (64 tasks for six, 256 for eight) the
+chain stands above blocks of dots, and links are drawn for the chain and for the task that is selected.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from itertools import combinations, pairwise
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import comb
+from typing import Any
 
 from bokeh.models import ColumnDataSource, HoverTool, TapTool
 from bokeh.plotting import figure
 
+from layouts.lattice_places import Mask, Plan, masks_by_level, nested_chain, plan
 from layouts.theme import NEUTRAL, POLICY_A, SUCCESS
 
-Mask = frozenset[int]
+__all__ = ["Lattice", "Mask", "lattice_figure", "mask_text", "masks_by_level", "nested_chain"]
 
-NODE_SIZE = 46
-
-
-def masks_by_level(missiles: int) -> list[list[Mask]]:
-    """All 2^n masks; entry k holds those that leave k missiles, in the order of the numbers that are left."""
-    every = range(1, missiles + 1)
-    return [
-        [frozenset(every) - frozenset(kept) for kept in combinations(every, count)] for count in range(missiles + 1)
-    ]
-
-
-def nested_chain(missiles: int) -> list[Mask]:
-    """Algorithm 3's chain of Table 1, from the easiest task (all masked) to the target (none masked)."""
-    return [frozenset(range(count + 1, missiles + 1)) for count in range(missiles + 1)]
+Columns = dict[str, list[Any]]
 
 
 def mask_text(mask: Iterable[int]) -> str:
@@ -33,74 +28,138 @@ def mask_text(mask: Iterable[int]) -> str:
     return ",".join(str(number) for number in sorted(mask))
 
 
+@dataclass(frozen=True)
+class Lattice:
+    """The figure with its nodes and links; a tap selects a node, whose `mask` is text as in `--mask`."""
+
+    figure: figure
+    nodes: ColumnDataSource
+    links: ColumnDataSource
+    tag: ColumnDataSource
+    """The name of the selected task where it is only a dot: one row or none."""
+    plan: Plan
+    chain: tuple[Mask, ...]
+
+    def select(self, mask: Mask) -> None:
+        """Mark this task, and where there is no room for all links, draw those of its neighbours."""
+        marks = _marks(self.plan, self.chain, mask)
+        self.nodes.patch({name: [(slice(None), values)] for name, values in marks.items()})
+        if not self.plan.roomy:
+            self.links.data = dict(_links(self.plan, self.chain, mask))
+            self.tag.data = dict(_tag(self.plan, self.chain, mask))
+
+
 def lattice_figure(
-    missiles: int = 4,
-    chain: list[Mask] | None = None,
+    missiles: int,
     selected: Mask | None = None,
     success: Mapping[Mask, float] | None = None,
     height: int = 420,
-) -> tuple[figure, ColumnDataSource]:
-    """The lattice and the source of its nodes; a tap selects one, its `mask` column is text as in `--mask`.
+) -> Lattice:
+    """The lattice of a target task.
 
     Args:
         missiles: number of missiles n of the target task; 2^n nodes are drawn.
-        chain: masks from the easiest task to the target; the default is the nested chain of Table 1.
-        selected: the mask to highlight.
-        success: success rate 0 to 1 by mask, written under the node's name where known.
+        selected: the mask to mark.
+        success: success rate 0 to 1 by mask, written under the names of tasks that have one.
         height: height of the figure [px].
     """
-    levels = masks_by_level(missiles)
-    chain = nested_chain(missiles) if chain is None else chain
+    chain = tuple(nested_chain(missiles))
+    layout = plan(missiles, chain)
     fig = figure(
-        height=height,
-        sizing_mode="stretch_width",
-        tools="",
-        toolbar_location=None,
-        x_range=(-0.6, missiles + 0.6),
-        y_range=(-0.62, 0.62),
-    )
+        height=height, sizing_mode="stretch_width", tools="", toolbar_location=None,
+        x_range=(-0.6, missiles + 0.6), y_range=(-0.62, 0.62),
+    )  # fmt: skip
     fig.grid.visible = fig.yaxis.visible = False
     fig.outline_line_color = None
     fig.xaxis.ticker = list(range(missiles + 1))
     fig.xaxis.axis_label = "missiles to evade"
-    places = {mask: place for level, masks in enumerate(levels) for mask, place in _column(level, masks)}
-    _draw_edges(fig, places, chain)
-    source = ColumnDataSource(lattice_columns(places, chain, selected, success or {}))
-    _draw_nodes(fig, source)
-    return fig, source
+    if not layout.roomy:
+        counts = {level: comb(missiles, level) for level in range(missiles + 1)}
+        fig.xaxis.major_label_overrides = {n: f"{n}: {k} task{'s' * (k > 1)}" for n, k in counts.items()}
+    links = ColumnDataSource(_links(layout, chain, selected))
+    fig.segment("x0", "y0", "x1", "y1", source=links, color="ink", line_width="width", alpha="alpha")
+    nodes = ColumnDataSource(_nodes(layout, chain, success or {}) | _marks(layout, chain, selected))
+    tag = ColumnDataSource(_tag(layout, chain, selected))
+    _draw_nodes(fig, nodes)
+    fig.text(
+        "x", "y", text="text", source=tag, text_color="#ffffff", text_font_size="12px", text_font_style="bold",
+        y_offset=-22, text_align="center", text_baseline="middle", level="overlay",
+        background_fill_color=SUCCESS, padding=3, border_radius=5,
+    )  # fmt: skip
+    return Lattice(fig, nodes, links, tag, layout, chain)
 
 
-def lattice_columns(
-    places: Mapping[Mask, tuple[float, float]],
-    chain: list[Mask],
-    selected: Mask | None,
-    success: Mapping[Mask, float],
-) -> dict[str, list[object]]:
-    """Columns of the nodes: place, mask, the numbers left, caption, and how each is drawn."""
-    masks, every = list(places), max(places, key=len)
+def _nodes(layout: Plan, chain: Sequence[Mask], success: Mapping[Mask, float]) -> Columns:
+    """What does not change: place, size, mask, names, and how each node is filled."""
+    masks, every = list(layout.places), max(layout.places, key=len)
     kept = [sorted(every - mask) for mask in masks]
+    named = [layout.roomy or mask in chain for mask in masks]
+    short = [_short(numbers) if show else "" for numbers, show in zip(kept, named, strict=True)]
     return {
-        "x": [places[m][0] for m in masks],
-        "y": [places[m][1] for m in masks],
+        "x": [layout.places[m][0] for m in masks],
+        "y": [layout.places[m][1] for m in masks],
+        "size": [layout.sizes[m] for m in masks],
         "mask": [mask_text(m) for m in masks],
-        "name": ["".join(map(str, numbers)) or "–" for numbers in kept],
+        "name": short if not layout.roomy else ["".join(map(str, numbers)) or "–" for numbers in kept],
         "caption": [f"{success[m]:.1%}" if m in success else "" for m in masks],
         "task": [_task_text(numbers, len(every)) for numbers in kept],
         "fill": [POLICY_A if m in chain else NEUTRAL for m in masks],
         "fill_alpha": [0.9 if m in chain else 0.16 for m in masks],
-        "ring": [SUCCESS if m == selected else (POLICY_A if m in chain else NEUTRAL) for m in masks],
-        "ring_width": [5.0 if m == selected else 1.5 for m in masks],
         "ink": ["#ffffff" if m in chain else NEUTRAL for m in masks],
     }
 
 
-def _column(level: int, masks: list[Mask]) -> list[tuple[Mask, tuple[float, float]]]:
-    gap = 1.0 / max(len(masks), 4)
-    top = gap * (len(masks) - 1) / 2
-    return [(mask, (float(level), top - gap * row)) for row, mask in enumerate(masks)]
+def _marks(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Columns:
+    """What follows the selection: the rings."""
+    masks = list(layout.places)
+    return {
+        "ring": [SUCCESS if m == selected else (POLICY_A if m in chain else NEUTRAL) for m in masks],
+        "ring_width": [5.0 if m == selected else 1.5 for m in masks],
+    }
 
 
-def _task_text(numbers: list[int], missiles: int) -> str:
+def _tag(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Columns:
+    if layout.roomy or selected is None or selected in chain:
+        return {"x": [], "y": [], "text": []}
+    x, y = layout.places[selected]
+    return {"x": [x], "y": [y], "text": [" ".join(map(str, sorted(max(layout.places, key=len) - selected)))]}
+
+
+def _links(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Columns:
+    """Segments from easier to harder tasks: of all when there is room, else of the chain and the selected task."""
+    bold = set(pairwise(chain))
+    if layout.roomy:
+        near = [link for harder in layout.places for link in _steps_to(harder, layout)]
+    else:
+        own = [] if selected is None else [*_steps_to(selected, layout), *_steps_from(selected)]
+        near = [*bold, *(link for link in own if link not in bold)]
+    inks = NEUTRAL if layout.roomy else SUCCESS
+    return {
+        "x0": [layout.places[easier][0] for easier, _ in near],
+        "y0": [layout.places[easier][1] for easier, _ in near],
+        "x1": [layout.places[harder][0] for _, harder in near],
+        "y1": [layout.places[harder][1] for _, harder in near],
+        "ink": [POLICY_A if link in bold else inks for link in near],
+        "width": [4.0 if link in bold else (1.0 if layout.roomy else 1.6) for link in near],
+        "alpha": [0.9 if link in bold else (0.3 if layout.roomy else 0.75) for link in near],
+    }
+
+
+def _steps_to(harder: Mask, layout: Plan) -> list[tuple[Mask, Mask]]:
+    every = max(layout.places, key=len)
+    return [(harder | {missile}, harder) for missile in sorted(every - harder)]
+
+
+def _steps_from(easier: Mask) -> list[tuple[Mask, Mask]]:
+    return [(easier, easier - {missile}) for missile in sorted(easier)]
+
+
+def _short(numbers: Sequence[int]) -> str:
+    """Missiles 1 … n in a node of the chain."""
+    return "–" if not numbers else ("1" if len(numbers) == 1 else f"1–{len(numbers)}")
+
+
+def _task_text(numbers: Sequence[int], missiles: int) -> str:
     if len(numbers) == missiles:
         return "target task"
     if not numbers:
@@ -108,35 +167,11 @@ def _task_text(numbers: list[int], missiles: int) -> str:
     return ("missile " if len(numbers) == 1 else "missiles ") + ", ".join(map(str, numbers))
 
 
-def _draw_edges(fig: figure, places: Mapping[Mask, tuple[float, float]], chain: list[Mask]) -> None:
-    links = set(pairwise(chain))
-    for harder, (x_to, y_to) in places.items():
-        for easier, (x_from, y_from) in places.items():
-            if len(easier) == len(harder) + 1 and harder < easier:
-                bold = (easier, harder) in links
-                fig.line(
-                    [x_from, x_to],
-                    [y_from, y_to],
-                    line_width=4.0 if bold else 1.0,
-                    color=POLICY_A if bold else NEUTRAL,
-                    alpha=0.9 if bold else 0.3,
-                )
-
-
 def _draw_nodes(fig: figure, source: ColumnDataSource) -> None:
     nodes = fig.scatter(
-        "x",
-        "y",
-        source=source,
-        size=NODE_SIZE,
-        fill_color="fill",
-        fill_alpha="fill_alpha",
-        line_color="ring",
-        line_width="ring_width",
-        nonselection_alpha=1.0,
-        hover_line_color=SUCCESS,
-        hover_fill_alpha=1.0,
-    )
+        "x", "y", source=source, size="size", fill_color="fill", fill_alpha="fill_alpha", line_color="ring",
+        line_width="ring_width", nonselection_alpha=1.0, hover_line_color=SUCCESS, hover_fill_alpha=1.0,
+    )  # fmt: skip
     nodes.nonselection_glyph = None
     nodes.selection_glyph = None
     common = {"source": source, "text_align": "center", "text_baseline": "middle", "level": "overlay"}

@@ -9,7 +9,7 @@ from bokeh.models import Range1d
 from bokeh.plotting import figure
 
 from layouts.chart import Columns, FlightChart, Marks, add_csv, add_legend, empty, plain, thin_index
-from layouts.theme import GATE, INTERCEPTOR, NEUTRAL, POLICY_A, missile_colour
+from layouts.theme import GATE, INTERCEPTOR, NEUTRAL, POLICY_A, ink_dash, missile_colour
 from sim.scenario import Battlefield
 from sim.trajectory import BodyTrack, MissileTrack, Trajectory
 from sim.world import Fate
@@ -53,8 +53,9 @@ def map_chart(
     entries = []
     for name, colour in bodies.items():
         line = fig.line(
-            f"{name}_x_km", f"{name}_y_km", source=source, color=colour, line_width=2.2, name=f"{name}_x_km"
-        )
+            f"{name}_x_km", f"{name}_y_km", source=source, color=colour, line_width=2.2, line_dash=ink_dash(colour),
+            name=f"{name}_x_km",
+        )  # fmt: skip
         entries.append((name.replace("_", " "), [line]))
     add_legend(fig, entries)
     marks = empty(MARK_COLUMNS)

@@ -16,7 +16,10 @@ Mode = Literal["dark", "light"]
 POLICY_A = "#2f86ff"
 POLICY_B = "#e08a00"
 INTERCEPTOR = "#e5414d"
-MISSILES = ("#9a63f5", "#1fa05f", "#e0489c", "#0f9fb5", "#8c8f1f", "#b5623c", "#5f7fd0", "#7d8794")
+# The second four were searched: whatever the colour vision, none looks more like another ink of a missile than the
+# first four look like each other. As curves they are dashed besides, so that colour never tells alone.
+MISSILES = ("#9a63f5", "#1fa05f", "#e0489c", "#0f9fb5", "#986600", "#4a2cec", "#923a44", "#7e3da4")
+DASHED = MISSILES[4:]
 SUCCESS = "#1fa05f"
 FAILURE = "#e5414d"
 NEUTRAL = "#7d8794"
@@ -49,6 +52,11 @@ def ground(mode: Mode) -> Ground:
 def missile_colour(number: int) -> str:
     """Ink of a missile (1-based), the same in every figure, scene and recording."""
     return MISSILES[(number - 1) % len(MISSILES)]
+
+
+def ink_dash(colour: str) -> Literal["solid", "dashed"]:
+    """How a curve in this ink is drawn."""
+    return "dashed" if colour in DASHED else "solid"
 
 
 def rgb(colour: str) -> Rgb:

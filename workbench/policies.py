@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.assets import asset_path
 from sim.errors import UsageError
+from sim.scenario_file import load_scenario
+from sim.task import Task
 from workbench.run_folder import shorten
 from workbench.runs import RunStore, is_run_id
+from workbench.scenarios import other_scenario
 
 if TYPE_CHECKING:
+    from agents.checkpoint import PolicyCard
     from agents.config import TrainingConfig
     from agents.policy import Policy
+    from sim.scenario import Scenario
 
 SUFFIX = ".safetensors"
 EXPERTS = {
@@ -28,7 +34,6 @@ SHIPPED_LABELS = {
     "submas-source-2": "SubMas-RL, source task 2 (shipped)",
     "submas-source-3": "SubMas-RL, source task 3 (shipped)",
 }
-MISSILES = 4
 
 
 class UnknownPolicyError(UsageError):
@@ -100,51 +105,64 @@ def policy_choices(store: RunStore) -> dict[str, str]:
 
 
 def title(config: TrainingConfig) -> str:
-    """A training in a few words: its name if the user gave one, else what it learns."""
+    """A training in a few words: its name if the user gave one, else what it learns; another scenario is named."""
     what = "Whole curriculum" if config.curriculum else f"{config.missiles} missile{'s' * (config.missiles != 1)}"
-    return f"{shorten(config.name, 40) or what} · {config.variant} · {config.profile} · seed {config.seed}"
+    words = [shorten(config.name, 40) or what, other_scenario(config.scenario), config.variant, config.profile]
+    return " · ".join([*filter(None, words), f"seed {config.seed}"])
 
 
 def natural_guide(config: TrainingConfig) -> str:
     """POLICY that guides the first stage when none is chosen: the policy of the task with one missile less.
 
-    The easiest task (one missile) is guided by the navigation expert (section 4.1), and so is a whole
-    curriculum.
+    The easiest task (one missile) is guided by the navigation expert (section 4.1), and so is a whole curriculum.
+    Empty when no policy of that task, trained on this very scenario, is shipped.
+
+    Raises:
+        ScenarioError: there is no such scenario.
     """
     if config.curriculum or config.missiles == 1:
         return "expert-navigation"
-    return f"submas-source-{MISSILES - config.missiles + 1}"
+    target = Task(load_scenario(config.scenario))
+    easier = target.mask(missile for missile in target.missiles if missile >= config.missiles)
+    name = f"submas-{easier.name}"
+    card = shipped_cards().get(name)
+    return name if card is not None and card.scenario_digest == target.scenario.digest else ""
 
 
 def guide_for(config: TrainingConfig, store: RunStore | None = None) -> Policy:
     """The policy that guides a training's first stage.
 
     Raises:
-        UnknownPolicyError: the chosen guide does not exist, or the natural one is not shipped.
+        UnknownPolicyError: the chosen guide does not exist, or no natural one is shipped.
+        ScenarioError: there is no such scenario.
     """
     spec = config.guide or natural_guide(config)
-    try:
-        return resolve_policy(spec, store)
-    except UnknownPolicyError as error:
-        if config.guide:
-            raise
-        task = f"{config.missiles - 1} missile{'s' * (config.missiles != 2)}"
+    if not spec:
+        task = f"{config.missiles - 1} missile{'s' * (config.missiles != 2)} of scenario '{config.scenario}'"
         raise UnknownPolicyError(
             f"no policy for {task} is shipped to guide a training with {config.missiles}; "
             "choose one with --guide, or train the whole chain with --curriculum"
-        ) from error
+        )
+    return resolve_policy(spec, store)
 
 
-def shipped_success() -> dict[int, float]:
-    """Held-out success rate of the shipped policy for each number of missiles that has one."""
+@cache
+def shipped_cards() -> dict[str, PolicyCard]:
+    """Cards of the shipped policies by name; a damaged file has none."""
     from agents.checkpoint import PolicyFileError, load_policy
 
-    rates = {}
+    cards = {}
     for name in shipped_policies():
         try:
             card = load_policy(asset_path("policies", name + SUFFIX)).card
         except PolicyFileError:
             continue
-        if card is not None and card.evaluation is not None:
-            rates[len(card.missiles)] = float(card.evaluation["success_rate"])
-    return rates
+        if card is not None:
+            cards[name] = card
+    return cards
+
+
+def shipped_success(scenario: Scenario) -> dict[int, float]:
+    """Held-out success rate, by number of missiles, of the shipped policies that were trained on this scenario."""
+    cards = [card for card in shipped_cards().values() if card.scenario_digest == scenario.digest]
+    return {len(card.missiles): float(card.evaluation["success_rate"]) for card in cards if card.evaluation}

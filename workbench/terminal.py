@@ -35,6 +35,11 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], title: st
     Console(file=sys.stdout, highlight=False, width=width).print(table)
 
 
+def print_warning(sentence: str) -> None:
+    """One line on standard error: something a person should know though nothing failed."""
+    print(f"workbench: warning: {printable(sentence)}", file=sys.stderr)
+
+
 def printable(text: str) -> str:
     """The text with control and direction characters as escapes: a name cannot steer a terminal."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 from math import comb
 
-from bokeh.models import GlyphRenderer
+import pytest
 
-from layouts.lattice import lattice_figure, mask_text, masks_by_level, nested_chain
+from layouts.lattice import Lattice, lattice_figure, mask_text, masks_by_level, nested_chain
 
 
-def test_sixteen_tasks_in_levels_of_one_four_six_four_one() -> None:
-    levels = masks_by_level(4)
-    assert [len(level) for level in levels] == [comb(4, k) for k in range(5)]
-    assert len({mask for level in levels for mask in level}) == 16
+@pytest.mark.parametrize("missiles", range(1, 9))
+def test_every_task_stands_once_above_its_number_of_missiles(missiles: int) -> None:
+    levels = masks_by_level(missiles)
+    assert [len(level) for level in levels] == [comb(missiles, k) for k in range(missiles + 1)]
+    nodes = lattice_figure(missiles).nodes.data
+    assert sorted(nodes["mask"]) == sorted(mask_text(m) for level in levels for m in level)
+    for x, mask in zip(nodes["x"], nodes["mask"], strict=True):
+        left = missiles - len([number for number in mask.split(",") if number])
+        assert abs(x - left) < 0.5
+    assert len({*zip(nodes["x"], nodes["y"], strict=True)}) == 2**missiles
+
+
+@pytest.mark.parametrize("missiles", range(5, 9))
+def test_dots_do_not_touch_in_the_narrowest_panel(missiles: int) -> None:
+    nodes = lattice_figure(missiles, height=430).nodes.data
+    across, up = 560 / (missiles + 1.2), 370 / 1.24
+    places = [(x * across, y * up, size / 2) for x, y, size in zip(nodes["x"], nodes["y"], nodes["size"], strict=True)]
+    for (x, y, r), (u, v, s) in combinations(places, 2):
+        assert (x - u) ** 2 + (y - v) ** 2 > (r + s) ** 2
+    assert max(abs(y) + r for _x, y, r in places) < 0.62 * up
 
 
 def test_the_chain_unmasks_one_missile_at_a_time() -> None:
@@ -23,23 +39,37 @@ def test_the_chain_unmasks_one_missile_at_a_time() -> None:
     assert [sorted(a - b) for a, b in pairwise(chain)] == [[1], [2], [3], [4]]
 
 
-def test_nodes_carry_the_mask_as_the_command_line_takes_it() -> None:
-    _figure, source = lattice_figure()
-    assert set(source.data["mask"]) == {mask_text(m) for level in masks_by_level(4) for m in level}
-    assert source.data["task"][list(source.data["mask"]).index("")] == "target task"
+def test_nodes_say_what_the_task_is() -> None:
+    nodes = lattice_figure(4).nodes.data
+    assert nodes["task"][list(nodes["mask"]).index("")] == "target task"
+    assert nodes["name"][list(nodes["mask"]).index("1,3")] == "24"
 
 
-def test_all_neighbours_are_joined() -> None:
-    figure, _source = lattice_figure()
-    edges = [r for r in figure.select(GlyphRenderer) if type(r.glyph).__name__ == "Line"]
-    assert len(edges) == 4 * 2**3
+def test_four_missiles_show_all_links_and_more_only_those_that_matter() -> None:
+    assert len(lattice_figure(4).links.data["x0"]) == 4 * 2**3
+    big = lattice_figure(8)
+    assert len(big.links.data["x0"]) == 8
+    big.select(frozenset({1, 8}))
+    # Six easier neighbours and two harder ones, none of them a link of the chain.
+    assert len(big.links.data["x0"]) == 8 + 8
+
+
+def _ringed(lattice: Lattice) -> list[str]:
+    rows = zip(lattice.nodes.data["mask"], lattice.nodes.data["ring_width"], strict=True)
+    return [mask for mask, width in rows if width > 2]
+
+
+@pytest.mark.parametrize("missiles", [4, 6])
+def test_the_selected_task_has_a_ring_and_a_name(missiles: int) -> None:
+    lattice = lattice_figure(missiles, selected=frozenset({2}))
+    assert _ringed(lattice) == ["2"]
+    lattice.select(frozenset({1, 3}))
+    assert _ringed(lattice) == ["1,3"]
+    assert lattice.tag.data["text"] == ([] if missiles == 4 else ["2 4 5 6"])
+    lattice.select(frozenset())
+    assert lattice.tag.data["text"] == []
 
 
 def test_a_known_success_rate_is_written_under_its_task() -> None:
-    _figure, source = lattice_figure(success={frozenset({4}): 0.915})
-    assert source.data["caption"][list(source.data["mask"]).index("4")] == "91.5%"
-
-
-def test_the_selected_task_has_a_ring() -> None:
-    _figure, source = lattice_figure(selected=frozenset({2}))
-    assert max(source.data["ring_width"]) == source.data["ring_width"][list(source.data["mask"]).index("2")]
+    nodes = lattice_figure(4, success={frozenset({4}): 0.915}).nodes.data
+    assert nodes["caption"][list(nodes["mask"]).index("4")] == "91.5%"

@@ -42,7 +42,8 @@ def run(args: Args) -> int:
     from workbench.policies import resolve_policy
     from workbench.progress import bar
     from workbench.runs import RunStore
-    from workbench.terminal import print_json
+    from workbench.scenarios import task_title, trained_elsewhere
+    from workbench.terminal import print_json, print_warning
 
     if not 1 <= args.episodes <= EPISODES_LIMIT:
         raise UsageError(f"--episodes is {args.episodes}; legal are 1 to {EPISODES_LIMIT}")
@@ -50,12 +51,15 @@ def run(args: Args) -> int:
         raise UsageError(f"--seed is {args.seed}; it must not be negative")
     task = task_for(args.scenario, args.mask)
     policy = resolve_policy(args.policy, RunStore(args.runs))
-    with bar(f"{policy.name} on {task.name}", "engagements") as progress:
+    with bar(f"{policy.name} on {task_title(task)}", "engagements") as progress:
         evaluation = evaluate(policy, task, args.episodes, args.seed, progress=progress)
+    warning = trained_elsewhere(policy, task)
     if args.json:
-        print_json(evaluation.to_json())
-    else:
-        _show(evaluation, task.name)
+        print_json({**evaluation.to_json(), "scenario_digest": task.scenario.digest, "warning": warning or None})
+        return 0
+    _show(evaluation, task_title(task))
+    if warning:
+        print_warning(warning)
     return 0
 
 

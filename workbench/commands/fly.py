@@ -26,6 +26,8 @@ class Args:
     out: Path | None = None
     """Write the engagement to this file: .csv or .parquet (a row per instant), .rrd (Rerun), .acmi or .zip.acmi (Tacview),
     .png or .svg (a picture)."""
+    scenario: str = "default"
+    """Scenario: a shipped name or a path to a scenario file."""
     runs: Path = Path("runs")
     """Folder of the runs."""
     json: bool = False
@@ -41,21 +43,25 @@ def run(args: Args) -> int:
     from workbench.exports import check_target, export
     from workbench.policies import resolve_policy
     from workbench.runs import RunStore
-    from workbench.terminal import print_json
+    from workbench.scenarios import trained_elsewhere
+    from workbench.terminal import print_json, print_warning
 
     if args.seed < 0:
         raise UsageError(f"--seed is {args.seed}; it must not be negative")
     if args.out is not None:
         check_target(args.out)
-    task = task_for(mask=args.mask)
+    task = task_for(args.scenario, args.mask)
     policy = resolve_policy(args.policy, RunStore(args.runs))
     flight = fly(task, bind(policy, task), policy.name, args.seed)
     if args.out is not None:
         export(flight, args.out)
+    warning = trained_elsewhere(policy, task)
     if args.json:
-        print_json(summary(flight, args.out))
-    else:
-        _show(flight, args.out)
+        print_json({**summary(flight, args.out), "warning": warning or None})
+        return 0
+    _show(flight, args.out)
+    if warning:
+        print_warning(warning)
     return 0
 
 
@@ -66,6 +72,7 @@ def summary(flight: Trajectory, out: Path | None = None) -> dict[str, Any]:
         "mask": sorted(flight.task.masked),
         "missiles": list(flight.task.missiles),
         "scenario": flight.task.scenario.name,
+        "scenario_digest": flight.task.scenario.digest,
         "seed": flight.seed,
         "outcome": flight.outcome.name.lower(),
         "success": flight.success,
@@ -89,12 +96,13 @@ def _event(event: Event) -> dict[str, Any]:
 
 
 def _show(flight: Trajectory, out: Path | None) -> None:
+    from workbench.scenarios import task_title
     from workbench.terminal import duration, print_table
 
     rows = [
         (f"{e.time_s:.1f}", e.text, "" if math.isnan(e.distance_m) else f"{e.distance_m:,.0f}") for e in flight.events
     ]
-    title = f"{flight.policy} on {flight.task.name}, seed {flight.seed}"
+    title = f"{flight.policy} on {task_title(flight.task)}, seed {flight.seed}"
     print_table(("time [s]", "event", "distance [m]"), rows, title=title)
     outcome = flight.outcome.name.lower().replace("_", " ")
     print(f"\n{outcome}, return {flight.episode_return:.1f}, {duration(flight.duration_s)} min flown")

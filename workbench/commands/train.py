@@ -75,18 +75,18 @@ def configuration(args: Args, seed: int) -> TrainingConfig:
     missiles = most if args.missiles is None else args.missiles
     if not 1 <= missiles <= most:
         raise UsageError(f"--missiles is {missiles}; legal are 1 to {most}")
-    values = {"scenario": args.scenario, "variant": args.variant, "profile": args.profile, "name": args.name}
+    scenario = _absolute(args.scenario)
+    values = {"scenario": scenario, "variant": args.variant, "profile": args.profile, "name": args.name}
     guide = _absolute(args.guide)
     return TrainingConfig.from_json(
         {**values, "curriculum": args.curriculum, "missiles": missiles, "guide": guide, "seed": seed}
     )
 
 
-def _absolute(guide: str) -> str:
-    # The training process may outlive this folder being the current one; a path must mean the same file
-    # there.
-    path = Path(guide)
-    return str(path.absolute()) if guide and path.is_file() else guide
+def _absolute(name: str) -> str:
+    # The training process may outlive this folder being the current one; a path must mean the same file there.
+    path = Path(name)
+    return str(path.absolute()) if path.suffix and path.is_file() else name
 
 
 def _report(runs: Sequence[Run], as_json: bool) -> None:

@@ -6,8 +6,10 @@ from urllib.parse import parse_qsl, urlencode
 
 import panel as pn
 
+from sim.errors import ScenarioError
 from sim.scenario_file import load_scenario
 from workbench.runs import Run
+from workbench.scenarios import DEFAULT
 
 
 def read_query() -> dict[str, str]:
@@ -23,10 +25,14 @@ def write_query(**values: str) -> None:
 
 
 def fly_address(run: Run) -> str:
-    """The Fly page with a run's best policy, on the task it was trained for: what it cannot see is masked."""
-    missiles = range(1, load_scenario(run.config.scenario).launch.missiles + 1)
+    """The Fly page with a run's best policy, on the task it was trained for; what it cannot see is masked."""
+    scenario = run.config.scenario
+    try:
+        missiles = range(1, load_scenario(scenario).launch.missiles + 1)
+    except ScenarioError:  # its file has gone: the policy can still be flown elsewhere
+        return "/fly" + search({"a": run.id})
     masked = ",".join(str(missile) for missile in missiles if missile not in run.policy_missiles())
-    return "/fly" + search({"a": run.id, "mask": masked})
+    return "/fly" + search({"a": run.id, "scenario": "" if scenario == DEFAULT else scenario, "mask": masked})
 
 
 def go_to(address: str, **values: str) -> None:

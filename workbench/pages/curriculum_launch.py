@@ -16,6 +16,7 @@ from workbench.estimate import Estimate, estimate
 from workbench.launcher import drain
 from workbench.policies import guide_for, natural_guide, policy_choices
 from workbench.runs import Run, RunStore
+from workbench.scenarios import DEFAULT, other_scenario
 from workbench.seeds import parse_seeds
 
 STAGE, CHAIN = "This task", "Whole chain"
@@ -42,6 +43,7 @@ class LaunchForm:
     def __init__(self, store: RunStore, query: Mapping[str, str], launched: Callable[[list[Run]], None]) -> None:
         self._store, self._launched = store, launched
         self._task: Task | None = None
+        self._scenario = DEFAULT
         self._make_widgets(query)
         self._summary = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, styles={"font-size": "14px"})
         self._button = pmui.Button(
@@ -76,9 +78,9 @@ class LaunchForm:
             "name": pmui.TextInput(label="Name (optional)", value="", max_length=200, **common),
         }
 
-    def show(self, task: Task) -> None:
-        """Describe what a launch would train now that this task is chosen."""
-        self._task = task
+    def show(self, task: Task, scenario: str = DEFAULT) -> None:
+        """Describe what a launch would train now that this task, of the scenario of that name or path, is chosen."""
+        self._task, self._scenario = task, scenario
         self._change()
 
     def to_query(self) -> dict[str, str]:
@@ -94,10 +96,9 @@ class LaunchForm:
         """
         assert self._task is not None
         chain = self.widgets["what"].value == CHAIN
-        scenario = self._task.scenario
-        missiles = scenario.launch.missiles if chain else _stage_missiles(self._task)
+        missiles = self._task.scenario.launch.missiles if chain else _stage_missiles(self._task)
         values = {name: self.widgets[name].value for name in ("variant", "profile", "guide", "name")}
-        fixed = {"scenario": scenario.name, "curriculum": chain, "missiles": missiles, **values}
+        fixed = {"scenario": self._scenario, "curriculum": chain, "missiles": missiles, **values}
         return [TrainingConfig.from_json({**fixed, "seed": seed}) for seed in parse_seeds(self.widgets["seeds"].value)]
 
     def _change(self, _event: object = None) -> None:
@@ -131,6 +132,7 @@ def summary(configs: list[TrainingConfig], cost: Estimate) -> str:
     """What will be trained and what it costs, as HTML."""
     first = configs[0]
     runs = f"{len(configs)} runs ({cost.at_once} at once)" if len(configs) > 1 else "1 run"
+    where = f" on <b>{html.escape(elsewhere)}</b>" if (elsewhere := other_scenario(first.scenario)) else ""
     stages = f"{cost.stages} stage{'s' * (cost.stages > 1)}"
     guide = html.escape(first.guide or natural_guide(first))
     guided = "without a guide" if first.variant == "td3" else f"guided by <b>{guide}</b>"
@@ -138,7 +140,7 @@ def summary(configs: list[TrainingConfig], cost: Estimate) -> str:
     many = f"{cost.measured_runs} earlier run{'s' * (cost.measured_runs > 1)}"
     source = f"measured in {many}" if cost.measured_runs else "typical for one core"
     return (
-        f"{runs} of {stages} with up to {first.hyperparameters.epochs} epochs, {guided}. "
+        f"{runs}{where} of {stages} with up to {first.hyperparameters.epochs} epochs, {guided}. "
         f"At most <b>{_long(cost.at_most_s)}</b>{early} ({source})."
     )
 

@@ -18,8 +18,8 @@ class MissilePictures(JSComponent):
     _esm = Path(__file__).with_suffix(".js")
     _stylesheets: ClassVar[list[Any]] = [
         """
-.row { display: flex; gap: 12px; height: 100% }
-.tile { flex: 1 1 0; min-width: 84px; display: flex; flex-direction: column; align-items: center; gap: 6px;
+.row { display: flex; gap: clamp(6px, 1.6%, 12px); height: 100% }
+.tile { flex: 1 1 0; min-width: 44px; display: flex; flex-direction: column; align-items: center; gap: 6px;
   padding: 12px 4px 8px; border-radius: 14px; cursor: pointer; transition: background .15s, border-color .15s;
   border: 2px solid var(--ink); background: color-mix(in srgb, var(--ink) 14%, transparent);
   font: 600 13px var(--bokeh-base-font, sans-serif); color: var(--panel-on-background-color) }

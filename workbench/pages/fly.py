@@ -14,23 +14,22 @@ import panel_material_ui as pmui
 from layouts.theme import POLICY_A, POLICY_B
 from sim.errors import SubMasError
 from sim.scenario_file import load_scenario
-from sim.trajectory import Trajectory
 from workbench.context import AppContext
 from workbench.flight_view import FlightView
+from workbench.pages.address import read_query
 from workbench.pages.fly_cards import CARD_CSS, flight_card, note_card
 from workbench.pages.fly_clock import FlightClock
 from workbench.pages.fly_controls import FlyControls
 from workbench.pages.fly_events import EventList, event_rows
 from workbench.pages.fly_figures import Pair
-from workbench.pages.fly_flights import SCENARIO, fly_both
+from workbench.pages.fly_flights import BlindPolicyError, Flights, fly_both
 from workbench.pages.fly_layout import arrange
 from workbench.pages.fly_settings import FlySettings, default_settings, read_settings
 from workbench.pages.fly_tabs import FlightTabs
 from workbench.policies import policy_choices
+from workbench.scenarios import scenario_choices
 
 COLOURS = {"A": POLICY_A, "B": POLICY_B}
-RECORD_EVERY = 2
-"""Substeps between records: ten a second are more than a screen shows."""
 
 
 def page(context: AppContext) -> pn.viewable.Viewable:
@@ -44,20 +43,25 @@ class FlyPage:
     def __init__(self, context: AppContext) -> None:
         self._context = context
         self._labels = {spec: label for label, spec in policy_choices(context.store).items()}
-        missiles = load_scenario(SCENARIO).launch.missiles
+        scenarios = scenario_choices(context.store)
         defaults = default_settings(list(self._labels))
-        query = {name: values[-1].decode(errors="replace") for name, values in pn.state.session_args.items()}
-        self._settings, problems = read_settings(query, self._labels, defaults, missiles)
+        self._settings, problems = read_settings(read_query(), self._labels, scenarios.values(), defaults)
         self._request = 0
         self._flown = False
-        self._controls = FlyControls(self._settings, self._labels, missiles, self._choose)
+        self._offered: frozenset[int] = frozenset()
+        self._controls = FlyControls(self._settings, self._labels, scenarios, self._choose)
         self._make_views()
         self.layout = self._arrange()
         self._complain(" ".join(problems))
         pn.state.onload(self._fly)
 
     def _make_views(self) -> None:
-        self._alert = pmui.Alert(object="", severity="warning", visible=False, margin=0, sizing_mode="stretch_width")
+        self._alert, self._note = (
+            pmui.Alert(object="", severity=severity, visible=False, margin=0, sizing_mode="stretch_width")
+            for severity in ("warning", "info")
+        )
+        self._offer = pmui.Button(label="", icon="visibility_off", variant="outlined", visible=False, margin=0)
+        self._offer.on_click(lambda _event: self._controls.mask(self._offered))
         self._progress = pmui.LinearProgress(
             variant="indeterminate", sizing_mode="stretch_width", margin=0, height=4, visible=True
         )
@@ -74,12 +78,12 @@ class FlyPage:
         self._clock.param.watch(self._tick, "time")
         self._clock.param.watch(self._settle, "settled")
         self._events = EventList(sizing_mode="stretch_width", margin=0)
-        self._tabs = FlightTabs(self._context.recordings, load_scenario(SCENARIO), self._rerun_state)
+        self._tabs = FlightTabs(self._context.recordings, load_scenario(self._settings.scenario), self._rerun_state)
 
     def _arrange(self) -> pn.viewable.Viewable:
         return arrange(
             controls=self._controls.items,
-            notices=[self._progress, self._alert],
+            notices=[self._progress, self._alert, self._offer, self._note],
             cards=list(self._cards.values()),
             replay=self._view.frame,
             clock=self._clock,
@@ -99,21 +103,22 @@ class FlyPage:
         settings = self._settings
         self._progress.visible = True
         try:
-            a, b = await asyncio.to_thread(fly_both, settings, self._context.store)
+            flights = await asyncio.to_thread(fly_both, settings, self._context.store)
         except SubMasError as error:
-            self._refuse(settings, f"{str(error)[0].upper()}{str(error)[1:]}.")
+            self._refuse(settings, error)
             return
         finally:
             if number == self._request:
                 self._progress.visible = False
         if number == self._request:
             # Figures may only be changed while the session's document is locked, which it is in a scheduled call.
-            pn.state.execute(partial(self._show, settings, a, b), schedule=True)
+            pn.state.execute(partial(self._show, settings, flights), schedule=True)
 
-    def _show(self, settings: FlySettings, a: Trajectory, b: Trajectory) -> None:
-        pair = Pair(a, b, f"A · {self._labels[settings.a]}", f"B · {self._labels[settings.b]}")
-        flights = {"A": a, "B": b}
+    def _show(self, settings: FlySettings, flown: Flights) -> None:
+        pair = Pair(flown.a, flown.b, f"A · {self._labels[settings.a]}", f"B · {self._labels[settings.b]}")
+        flights = {"A": flown.a, "B": flown.b}
         self._flown = True
+        self._note.param.update(object=html.escape(" ".join(flown.notes)), visible=bool(flown.notes))
         for letter, spec in (("A", settings.a), ("B", settings.b)):
             self._cards[letter].object = flight_card(letter, self._labels[spec], flights[letter], COLOURS[letter])
         rows = event_rows(flights, COLOURS)
@@ -127,8 +132,13 @@ class FlyPage:
         self._tabs.show(pair)
         self._write_address()
 
-    def _refuse(self, settings: FlySettings, sentence: str) -> None:
-        self._complain(f"{sentence} Nothing new was flown.")
+    def _refuse(self, settings: FlySettings, error: SubMasError) -> None:
+        sentence = str(error)
+        self._complain(f"{sentence[0].upper()}{sentence[1:]}. Nothing new was flown.")
+        if isinstance(error, BlindPolicyError):
+            self._offered = error.masked
+            words = ", ".join(str(missile) for missile in sorted(error.masked))
+            self._offer.param.update(label=f"Mask {words} and fly", visible=True)
         if self._flown:
             return
         for letter, spec in (("A", settings.a), ("B", settings.b)):
@@ -152,3 +162,4 @@ class FlyPage:
     def _complain(self, sentence: str) -> None:
         self._alert.object = html.escape(sentence)
         self._alert.visible = bool(sentence)
+        self._offer.visible = False

@@ -1,51 +1,61 @@
-"""What a person chooses on the Fly page: two policies, the missiles, the initial state."""
+"""What a person chooses on the Fly page: two policies, the scenario, its missiles, the initial state."""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 
 from layouts.theme import missile_colour
+from sim.scenario_file import load_scenario
 from workbench.pages.fly_missiles import MissileChips
 from workbench.pages.fly_settings import SEED_MAX, FlySettings
 
 SHUFFLED = 10_000
 """Random initial states are drawn below this: a number one can say aloud."""
+CHIP_WIDTH = 52
 
 
 class FlyControls:
     """The widgets of one row; `on_change` is called when any of them changes."""
 
     def __init__(
-        self, settings: FlySettings, labels: Mapping[str, str], missiles: int, on_change: Callable[[], None]
+        self,
+        settings: FlySettings,
+        labels: Mapping[str, str],
+        scenarios: Mapping[str, str],
+        on_change: Callable[[], None],
     ) -> None:
-        common: dict[str, Any] = {
-            "options": {label: spec for spec, label in labels.items()},
-            "size": "small",
-            "margin": 0,
-            "styles": {"flex": "1 1 230px"},
-        }
-        self._a = pmui.Select(label="Policy A", value=settings.a, **common)
-        self._b = pmui.Select(label="Policy B", value=settings.b, **common)
-        colours = [missile_colour(number) for number in range(1, missiles + 1)]
-        self._chips = MissileChips(
-            masked=sorted(settings.masked), colours=colours, margin=0, width=52 * missiles - 2, sizing_mode="fixed"
-        )
+        options = {label: spec for spec, label in labels.items()}
+        self._a = _select("Policy A", options, settings.a, "1 1 210px")
+        self._b = _select("Policy B", options, settings.b, "1 1 210px")
+        self._scenario = _select("Scenario", dict(scenarios), settings.scenario, "0 1 190px")
+        self._chips = MissileChips(margin=0, sizing_mode="fixed", **_missiles(settings.scenario, settings.masked))
         self._seed = pmui.IntInput(
             label="Initial state", value=settings.seed, start=0, end=SEED_MAX, size="small", width=120, margin=0,
             sizing_mode="fixed",
         )  # fmt: skip
-        for widget, name in ((self._a, "value"), (self._b, "value"), (self._chips, "masked"), (self._seed, "value")):
+        # First: the missiles of the new scenario are there when its flights are asked for.
+        self._scenario.param.watch(self._change_scenario, "value")
+        watched = [(self._chips, "masked")] + [(w, "value") for w in (self._a, self._b, self._scenario, self._seed)]
+        for widget, name in watched:
             widget.param.watch(lambda *_events: on_change(), name)
-        self.items: list[pn.viewable.Viewable] = [self._a, self._b, self._chips, self._seed_row()]
+        self.items: list[pn.viewable.Viewable] = [self._a, self._b, self._scenario, self._chips, self._seed_row()]
 
     def settings(self) -> FlySettings:
         """What is chosen now, with the clock at 0."""
-        return FlySettings(self._a.value, self._b.value, frozenset(self._chips.masked), self._seed.value or 0)
+        masked, seed = frozenset(self._chips.masked), self._seed.value or 0
+        return FlySettings(self._a.value, self._b.value, masked, seed, scenario=self._scenario.value)
+
+    def mask(self, missiles: Iterable[int]) -> None:
+        """Mask exactly these missiles, as if a person had clicked them."""
+        self._chips.masked = sorted(missiles)
+
+    def _change_scenario(self, event: Any) -> None:
+        self._chips.param.update(**_missiles(event.new, self._chips.masked))
 
     def _seed_row(self) -> pn.viewable.Viewable:
         buttons = [
@@ -62,3 +72,15 @@ class FlyControls:
         button = pmui.IconButton(icon=icon, description=words, size="medium", margin=0, sizing_mode=None)
         button.on_click(move)
         return button
+
+
+def _select(label: str, options: dict[str, str], value: str, flex: str) -> pmui.Select:
+    return pmui.Select(label=label, options=options, value=value, size="small", margin=0, styles={"flex": flex})
+
+
+def _missiles(scenario: str, masked: Iterable[int]) -> dict[str, Any]:
+    """The chips of a scenario: as many as it has missiles; masks of others are forgotten."""
+    missiles = load_scenario(scenario).launch.missiles
+    colours = [missile_colour(number) for number in range(1, missiles + 1)]
+    kept = sorted(number for number in masked if number <= missiles)
+    return {"colours": colours, "masked": kept, "width": max(CHIP_WIDTH * missiles - 2, 150)}

@@ -1,31 +1,59 @@
-"""The two flights of the Fly page."""
+"""The two flights of the Fly page, and what must be said about them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+from agents.features import unseen_subtasks
+from agents.policy import PolicyError, bind
 from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.trajectory import Trajectory, fly
 from workbench.pages.fly_settings import FlySettings
 from workbench.policies import resolve_policy
 from workbench.runs import RunStore
+from workbench.scenarios import trained_elsewhere
 
-SCENARIO = "default"
 RECORD_EVERY = 2
 """Substeps between records: ten a second are more than a screen shows."""
 
 
-def fly_both(settings: FlySettings, store: RunStore) -> tuple[Trajectory, Trajectory]:
+@dataclass(frozen=True)
+class Flights:
+    """Two flights from one initial state."""
+
+    a: Trajectory
+    b: Trajectory
+    notes: tuple[str, ...]
+    """Sentences about policies that were trained on another scenario."""
+
+
+class BlindPolicyError(PolicyError):
+    """A policy cannot see a missile of the task; with `masked` masked both policies could fly."""
+
+    def __init__(self, sentence: str, masked: frozenset[int]) -> None:
+        super().__init__(sentence)
+        self.masked = masked
+
+
+def fly_both(settings: FlySettings, store: RunStore) -> Flights:
     """Fly both policies from the same initial state.
 
     Raises:
-        SubMasError: a policy does not exist any more, is damaged, or cannot see a missile of the task.
+        BlindPolicyError: a policy cannot see a missile of the task.
+        SubMasError: a policy does not exist any more or is damaged, or the scenario is.
     """
-    from agents.policy import bind
-
-    task = Task(load_scenario(SCENARIO), settings.masked)
-    bound = [bind(resolve_policy(spec, store), task) for spec in (settings.a, settings.b)]
+    task = Task(load_scenario(settings.scenario), settings.masked)
+    policies = {letter: resolve_policy(spec, store) for letter, spec in (("A", settings.a), ("B", settings.b))}
+    try:
+        bound = [bind(policy, task) for policy in policies.values()]
+    except PolicyError as error:
+        known = [policy.layout for policy in policies.values() if policy.layout is not None]
+        blind = {missile for layout in known for missile in unseen_subtasks(layout, task.layout)}
+        raise BlindPolicyError(str(error), settings.masked | blind) from error
     a, b = (
         fly(task, act, spec, settings.seed, record_every=RECORD_EVERY)
         for act, spec in zip(bound, (settings.a, settings.b), strict=True)
     )
-    return a, b
+    told = [(letter, trained_elsewhere(policy, task)) for letter, policy in policies.items()]
+    return Flights(a, b, tuple(f"{letter}: {sentence}." for letter, sentence in told if sentence))

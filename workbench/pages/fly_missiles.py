@@ -1,4 +1,4 @@
-"""Four chips, one per missile: lit when it flies, struck out when it is masked."""
+"""Chips, one per missile: lit when it flies, struck out when it is masked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the Fly page shows, as its address says it: `?a=&b=&mask=&seed=&t=`."""
+"""What the Fly page shows, as its address says it: `?a=&b=&scenario=&mask=&seed=&t=`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sim.errors import MaskError
+from sim.scenario_file import load_scenario
 from sim.task import parse_mask
+from workbench.scenarios import DEFAULT
 
 SEED_MAX = 2**31 - 1
 LONGEST = 60
@@ -20,13 +22,14 @@ FIRST_SEED = 2
 
 @dataclass(frozen=True)
 class FlySettings:
-    """Two policies, the masked missiles, the initial state and the clock."""
+    """Two policies, the masked missiles, the initial state, the clock and the scenario."""
 
     a: str
     b: str
     masked: frozenset[int] = frozenset()
     seed: int = 0
     time_s: float = 0.0
+    scenario: str = DEFAULT
 
     @property
     def mask(self) -> str:
@@ -35,7 +38,8 @@ class FlySettings:
 
     def to_query(self) -> dict[str, str]:
         """Values of the address; reading them gives equal settings."""
-        return {"a": self.a, "b": self.b, "mask": self.mask, "seed": str(self.seed), "t": f"{self.time_s:g}"}
+        state = {"mask": self.mask, "seed": str(self.seed), "t": f"{self.time_s:g}"}
+        return {"a": self.a, "b": self.b, "scenario": self.scenario, **state}
 
 
 def default_settings(policies: Sequence[str]) -> FlySettings:
@@ -45,10 +49,18 @@ def default_settings(policies: Sequence[str]) -> FlySettings:
 
 
 def read_settings(
-    query: Mapping[str, str], policies: Collection[str], defaults: FlySettings, missiles: int
+    query: Mapping[str, str], policies: Collection[str], scenarios: Collection[str], defaults: FlySettings
 ) -> tuple[FlySettings, list[str]]:
-    """Settings of an address, and one sentence for each value that was wrong and replaced by its default."""
-    settings, problems = defaults, []
+    """Settings of an address, and one sentence for each value that was wrong and replaced by its default.
+
+    Args:
+        query: names and values of the address, which anybody may have written.
+        policies: POLICY that may fly.
+        scenarios: SCENARIO that may be flown in; nothing else is ever opened.
+        defaults: what is taken where the address says nothing or something wrong.
+    """
+    scenario, problems = read_scenario(query, scenarios, defaults.scenario)
+    settings, missiles = replace(defaults, scenario=scenario), load_scenario(scenario).launch.missiles
     for name in ("a", "b"):
         wanted = query.get(name, "")
         if wanted in policies:
@@ -72,6 +84,14 @@ def read_settings(
     elif time:
         problems.append(f"Time {_quoted(time)} is not a number of seconds, so the clock starts at 0.")
     return settings, problems
+
+
+def read_scenario(query: Mapping[str, str], scenarios: Collection[str], default: str) -> tuple[str, list[str]]:
+    """SCENARIO of an address if it is one of those on offer, else the default and a sentence that says so."""
+    wanted = query.get("scenario", "")
+    if wanted in scenarios or not wanted:
+        return wanted or default, []
+    return default, [f"Scenario {_quoted(wanted)} is not known here, so {default} is taken."]
 
 
 def _quoted(value: str) -> str:

@@ -24,7 +24,7 @@ class FlightTabs:
         self._recordings, self._state = recordings, state
         self._pair: Pair | None = None
         self._recorded: Pair | None = None
-        self._charts = ChartPairs(scenario)
+        self._scenario, self._charts = scenario, ChartPairs(scenario)
         self._bodies = {title: pn.Row(sizing_mode="stretch_width", margin=0) for title in ChartPairs.titles}
         self._bodies["Azimuth"].objects = _panes(self._charts.pair("Azimuth"))
         self._rerun = pmui.Column(sizing_mode="stretch_width", margin=0, min_height=RERUN_HEIGHT)
@@ -33,11 +33,19 @@ class FlightTabs:
         self.layout.param.watch(self._open, "active")
 
     def show(self, pair: Pair) -> None:
-        """New flights: all curves change at once, Rerun only if it is open."""
+        """New flights: all curves change at once, Rerun only if it is open; another scenario has other curves."""
         self._pair = pair
+        if pair.a.task.scenario != self._scenario:
+            self._start_anew(pair.a.task.scenario)
         for charts in self._charts.made.values():
             charts.show(pair)
         self._open()
+
+    def _start_anew(self, scenario: Scenario) -> None:
+        """Forget the figures: other missiles, another battlefield."""
+        self._scenario, self._charts = scenario, ChartPairs(scenario)
+        for body in self._bodies.values():
+            body.objects = []
 
     def _open(self, _event: object = None) -> None:
         title = [*self._bodies, RERUN][self.layout.active]

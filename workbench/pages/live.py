@@ -20,6 +20,7 @@ from workbench.pages.live_watch import RunWatch
 from workbench.policies import title
 from workbench.run_state import RunState
 from workbench.runs import Run
+from workbench.scenarios import other_scenario
 from workbench.stages import summarise
 
 TICK_MS = 500
@@ -143,12 +144,13 @@ class LivePage:
     def _show(self, watch: RunWatch) -> None:
         try:
             state, config = watch.run.state, watch.run.config
+            tasks = stage_tasks(config)
         except SubMasError as error:
             self._complain(f"Run {watch.run.id} cannot be shown any more: {error}.")
             return
         row = watch.rows[-1] if watch.rows else None
-        self._html["head"].object = head(state, row)
-        self._html["stages"].object = stage_cards(stage_tasks(config), summarise(watch.rows), state, row)
+        self._html["head"].object = head(state, row, other_scenario(config.scenario))
+        self._html["stages"].object = stage_cards(tasks, summarise(watch.rows), state, row)
         self._html["numbers"].object = number_cards(row)
         self._events.object = event_list(watch.events)
         self._progress.value = round(100 * state.progress)

@@ -66,8 +66,8 @@ LIVE_CSS = """
 """
 
 
-def head(state: RunState, row: Row | None) -> str:
-    """State, where the training is, and how long it can still take."""
+def head(state: RunState, row: Row | None, scenario: str = "") -> str:
+    """State, where the training is, how long it can still take, and the scenario where it has to be said."""
     ink = STATE_COLOURS[state.state]
     words = [f'<span class="state" style="--ink: {ink}">{state.state}</span>']
     if state.state == "queued":
@@ -79,6 +79,8 @@ def head(state: RunState, row: Row | None) -> str:
         stage = f"stage {row['stage'] + 1} of {row['stages']} · " if row["stages"] > 1 else ""
         epoch = f"epoch {row['epoch']} of at most {row['epochs']}"
         words.append(f'<span class="now">{stage}{html.escape(str(row["task"]))} · {epoch}</span>')
+    if scenario:
+        words.append(f'<span class="quiet">scenario <b>{html.escape(scenario)}</b></span>')
     words.append(f'<span class="quiet">{duration(state.wall_s)} worked{_left(state)}</span>')
     if state.error:
         words.append(f'<span class="error">{html.escape(state.error)}</span>')

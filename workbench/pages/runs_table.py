@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import panel as pn
@@ -11,6 +11,10 @@ import panel as pn
 from layouts.theme import POLICY_A
 from workbench.policies import title
 from workbench.runs import Run
+from workbench.scenarios import other_scenario
+
+if TYPE_CHECKING:
+    from agents.config import TrainingConfig
 
 COLUMNS = {
     "state": "State",
@@ -27,7 +31,7 @@ COLUMNS = {
 }
 """Columns of the table and their titles; every cell is data, never markup (Tabulator's default)."""
 WIDTHS = {
-    "state": 125, "training": 180, "name": 130, "variant": 90, "profile": 90, "seed": 75, "success": 110,
+    "state": 125, "training": 225, "name": 130, "variant": 90, "profile": 90, "seed": 75, "success": 110,
     "progress": 110, "started": 165, "minutes": 100, "run": 205,
 }  # fmt: skip
 SIGNS = {"queued": "…", "running": "▶", "stopped": "■", "finished": "✓", "failed": "✗", "interrupted": "✗"}
@@ -56,7 +60,7 @@ def _cells(run: Run) -> dict[str, Any]:
     best = state.best_success_rate
     return {
         "state": f"{SIGNS[state.state]} {state.state}",
-        "training": "Whole curriculum" if config.curriculum else _stage(config.missiles),
+        "training": _training(config),
         "name": config.name,
         "variant": config.variant,
         "profile": config.profile,
@@ -69,8 +73,12 @@ def _cells(run: Run) -> dict[str, Any]:
     }
 
 
-def _stage(missiles: int) -> str:
-    return "Stage: missile 1" if missiles == 1 else f"Stage: missiles 1–{missiles}"
+def _training(config: TrainingConfig) -> str:
+    """What is learned, and on which scenario where that is not the default one."""
+    last = config.missiles
+    stage = "Stage: missile 1" if last == 1 else f"Stage: missiles 1–{last}"
+    what = "Whole curriculum" if config.curriculum else stage
+    return " · ".join(filter(None, [what, other_scenario(config.scenario)]))
 
 
 def runs_table(frame: pd.DataFrame, height: int) -> pn.widgets.Tabulator:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -92,6 +93,36 @@ def test_a_refused_change_keeps_what_was_flown(shown: FlyPage, monkeypatch: pyte
 
 def test_choosing_a_mask_changes_the_settings(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fly.pn.state, "execute", lambda *_arguments, **_options: None)
-    shown._controls.items[2].masked = [2, 3]
+    shown._controls.mask({2, 3})
     assert shown._settings.masked == {2, 3}
     assert shown._settings.time_s == 0.0
+
+
+def test_another_scenario_brings_its_missiles_and_forgets_masks_it_does_not_have(
+    shown: FlyPage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fly.pn.state, "execute", lambda *_arguments, **_options: None)
+    shown._controls.mask({2, 4})
+    shown._controls._scenario.value = "short-range"
+    assert shown._settings == replace(shown._settings, scenario="short-range", masked=frozenset({2}))
+    assert len(shown._controls._chips.colours) == 2
+    shown._controls._scenario.value = "six-missiles"
+    assert len(shown._controls._chips.colours) == 6
+
+
+def test_a_blind_policy_is_offered_the_mask_that_works(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    flights: list[FlySettings] = []
+    monkeypatch.setattr(fly.pn.state, "execute", lambda *_arguments, **_options: None)
+    shown._controls._scenario.value = "six-missiles"
+    monkeypatch.setattr(fly.pn.state, "execute", lambda callback, **_options: flights.append(shown._settings))
+    asyncio.run(shown._fly())
+    assert "cannot see missiles 5, 6 of this task" in shown._alert.object
+    assert (shown._offer.visible, shown._offer.label) == (True, "Mask 5, 6 and fly")
+    shown._offer.clicks += 1
+    assert flights[-1].masked == {5, 6}
+    assert not shown._offer.visible
+    monkeypatch.setattr(fly.pn.state, "execute", lambda callback, **_options: callback())
+    asyncio.run(shown._fly())
+    assert not shown._alert.visible
+    assert "A: policy &#x27;submas-target&#x27; was trained on scenario &#x27;default&#x27;" in shown._note.object
+    assert "missile_6_km" in shown._tabs._charts.pair("Range").a.source.column_names

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from layouts.captions import clock_text, distance_text, outcome_text
+from layouts.theme import missile_colour
 from sim.scenario_file import load_scenario
 from sim.world import Outcome
 from tests.layouts.sample import END_S, sample_flight
 from workbench.pages.fly_cards import flight_card
 from workbench.pages.fly_events import event_rows
 from workbench.pages.fly_figures import ChartPairs, Pair
+from workbench.pages.fly_flights import BlindPolicyError, fly_both
+from workbench.pages.fly_settings import FlySettings
 from workbench.runs import RunStore
 
 COLOURS = {"A": "#000001", "B": "#000002"}
@@ -78,11 +82,36 @@ def test_without_missiles_the_whole_flight_is_shown() -> None:
 
 
 def test_both_policies_start_from_the_same_state(tmp_path: Path) -> None:
-    from workbench.pages.fly_flights import fly_both
-    from workbench.pages.fly_settings import FlySettings
-
-    a, b = fly_both(FlySettings("expert-navigation", "expert-dragging", frozenset({4}), 5), RunStore(tmp_path))
+    flown = fly_both(FlySettings("expert-navigation", "expert-dragging", frozenset({4}), 5), RunStore(tmp_path))
+    a, b = flown.a, flown.b
+    assert flown.notes == ()
     assert (a.evader.position_m[0] == b.evader.position_m[0]).all()
     assert (a.interceptor.position_m[0] == b.interceptor.position_m[0]).all()
     assert a.policy == "expert-navigation"
     assert [m.number for m in b.missiles] == [1, 2, 3]
+
+
+def test_a_policy_of_another_scenario_flies_and_says_so(tmp_path: Path) -> None:
+    settings = FlySettings("submas-source-2", "expert-dragging", frozenset({3, 4, 5, 6}), scenario="six-missiles")
+    flown = fly_both(settings, RunStore(tmp_path))
+    assert flown.a.task.scenario.name == "six-missiles"
+    (note,) = flown.notes
+    default, here = load_scenario().digest, load_scenario("six-missiles").digest
+    assert f"'submas-source-2' was trained on scenario 'default' ({default}), not on 'six-missiles' ({here})" in note
+
+
+def test_a_blind_policy_is_refused_with_the_mask_that_works(tmp_path: Path) -> None:
+    store, settings = RunStore(tmp_path), FlySettings("submas-target", "submas-source-2", scenario="six-missiles")
+    with pytest.raises(BlindPolicyError, match="cannot see missiles 5, 6 of this task") as refused:
+        fly_both(settings, store)
+    assert refused.value.masked == {3, 4, 5, 6}
+    flown = fly_both(replace(settings, masked=refused.value.masked), store)
+    assert [track.number for track in flown.b.missiles] == [1, 2]
+
+
+def test_figures_have_a_curve_for_every_missile_of_the_scenario() -> None:
+    charts = ChartPairs(load_scenario("six-missiles"))
+    assert "missile_6_deg" in charts.pair("Azimuth").a.source.column_names
+    inks = {str(line.glyph.line_color): line.glyph.line_dash for line in charts.pair("Azimuth").a.figure.renderers[:6]}
+    assert list(inks) == [missile_colour(number) for number in range(1, 7)]
+    assert [bool(dash) for dash in inks.values()] == [False] * 4 + [True] * 2

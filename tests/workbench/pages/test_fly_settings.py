@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from sim.scenario_file import scenario_names
 from workbench.pages.fly_settings import SEED_MAX, FlySettings, default_settings, read_settings
 
 POLICIES = ["submas-target", "expert-navigation", "expert-dragging"]
@@ -11,7 +12,7 @@ DEFAULTS = default_settings(POLICIES)
 
 
 def _read(**query: str) -> tuple[FlySettings, list[str]]:
-    return read_settings(query, POLICIES, DEFAULTS, 4)
+    return read_settings(query, POLICIES, scenario_names(), DEFAULTS)
 
 
 def test_the_trained_policy_flies_beside_the_dragging_expert() -> None:
@@ -23,7 +24,7 @@ def test_without_trained_policies_navigation_flies() -> None:
 
 
 def test_what_is_written_is_read_again() -> None:
-    settings = FlySettings("expert-navigation", "submas-target", frozenset({2, 4}), 17, 123.5)
+    settings = FlySettings("expert-navigation", "submas-target", frozenset({2, 5}), 17, 123.5, "six-missiles")
     assert _read(**settings.to_query()) == (settings, [])
 
 
@@ -36,6 +37,8 @@ def test_an_empty_address_has_no_problems() -> None:
     [
         ("a", "<script>", "'<script>'"),
         ("b", "/etc/passwd", "'/etc/passwd'"),
+        ("scenario", "nowhere", "Scenario 'nowhere' is not known here"),
+        ("scenario", "assets/scenarios/default.toml", "so default is taken"),
         ("mask", "1,9", "1 to 4"),
         ("mask", "x", "missiles from 1"),
         ("seed", "-1", "whole number"),
@@ -54,6 +57,13 @@ def test_a_wrong_value_becomes_one_sentence_and_the_default(name: str, value: st
     assert len(problems) == 1
     assert word in problems[0]
     assert problems[0].endswith(".")
+
+
+def test_a_mask_is_checked_against_the_missiles_of_its_scenario() -> None:
+    settings, problems = _read(scenario="six-missiles", mask="5,6")
+    assert settings.masked == {5, 6}
+    assert problems == []
+    assert "missiles from 1 to 2" in _read(scenario="short-range", mask="3")[1][0]
 
 
 def test_long_nonsense_is_cut() -> None:

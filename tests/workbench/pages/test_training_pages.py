@@ -85,17 +85,16 @@ def test_clicking_a_missile_changes_everything_at_once(app: AppContext) -> None:
     page._pictures.masked = [4]
     assert "Source task 1" in page._cards["task"].object
     assert "13 of 15" in page._cards["observation"].object
-    chosen = [
-        mask for mask, width in zip(page._nodes.data["mask"], page._nodes.data["ring_width"], strict=True) if width > 2
-    ]
-    assert chosen == ["4"]
+    nodes = page._lattice.nodes.data
+    assert [mask for mask, width in zip(nodes["mask"], nodes["ring_width"], strict=True) if width > 2] == ["4"]
 
 
 def test_tapping_a_task_of_the_lattice_masks_the_missiles(app: AppContext) -> None:
     page = CurriculumPage(app)
-    page._nodes.selected.indices = [page._nodes.data["mask"].index("1,3")]
+    nodes = page._lattice.nodes
+    nodes.selected.indices = [list(nodes.data["mask"]).index("1,3")]
     assert page._pictures.masked == [1, 3]
-    assert page._nodes.selected.indices == []
+    assert nodes.selected.indices == []
 
 
 def test_the_whole_chain_is_one_run_per_seed(form: tuple[LaunchForm, list[Run]], app: AppContext) -> None:
