@@ -11,7 +11,12 @@ from sim.world import Outcome
 def caption(flight: Trajectory) -> str:
     """Who flew what, from which initial state."""
     episode = f", episode {flight.episode}" if flight.episode else ""
-    return f"{flight.policy} on {flight.task.name}, seed {flight.seed}{episode}"
+    return f"{policy_text(flight)} on {flight.task.name}, seed {flight.seed}{episode}"
+
+
+def policy_text(flight: Trajectory) -> str:
+    """The policy's name without what no file and no picture can hold: it may be the name of somebody's file."""
+    return "".join(c if c.isprintable() else "�" for c in flight.policy)
 
 
 def outcome_text(flight: Trajectory) -> str:

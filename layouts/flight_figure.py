@@ -41,10 +41,13 @@ LEAD_S = 15.0
 
 def picture(flight: Trajectory, kind: Literal["png", "svg"]) -> bytes:
     """The picture as a file: `png` is 1680 x 1200 pixels, `svg` scales."""
+    from matplotlib import rc_context
+
     buffer = io.BytesIO()
-    # No date: equal flights give equal pictures.
+    # No date and no random names inside: equal flights give equal pictures.
     metadata = {"Title": caption(flight)} | ({"Date": None} if kind == "svg" else {})
-    flight_figure(flight).savefig(buffer, format=kind, dpi=DPI, metadata=metadata)
+    with rc_context({"svg.hashsalt": "flight"}):
+        flight_figure(flight).savefig(buffer, format=kind, dpi=DPI, metadata=metadata)
     return buffer.getvalue()
 
 
@@ -149,7 +152,7 @@ def _legend(figure: Figure, flight: Trajectory) -> None:
         ncols=len(entries),
         frameon=False,
         fontsize=9,
-        columnspacing=1.3,
+        columnspacing=1.0,
         handlelength=1.3,
         handletextpad=0.5,
     )

@@ -38,7 +38,7 @@ def suffix_of(path: Path) -> str:
         UsageError: it ends in none of FORMATS.
     """
     name = path.name.lower()
-    found = [suffix for suffix in FORMATS if name.endswith(suffix) and name != suffix]
+    found = [suffix for suffix in FORMATS if name.endswith(suffix) and name not in FORMATS]
     if not found:
         given = f"ends in '{path.suffix}'" if path.suffix else "has no suffix"
         raise UsageError(f"--out {path} {given}; legal are {', '.join(sorted(FORMATS))}")

@@ -9,6 +9,7 @@ import json
 import numpy as np
 from numpy.typing import NDArray
 
+from layouts.captions import policy_text
 from sim.trajectory import BodyTrack, MissileTrack, Trajectory
 
 Columns = dict[str, NDArray[np.float64]]
@@ -58,7 +59,7 @@ def facts(flight: Trajectory) -> dict[str, object]:
         {"time_s": round(e.time_s, 6), "kind": e.kind, "missile": e.missile, "text": e.text} for e in flight.events
     ]
     return {
-        "policy": flight.policy,
+        "policy": policy_text(flight),
         "task": task.name,
         "masked_missiles": sorted(task.masked),
         "scenario": task.scenario.name,

@@ -1,0 +1,35 @@
+"""Flights of the drill that end in each way, flown once for all tests of exports."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from sim.task import Task
+from sim.trajectory import Trajectory, fly
+from sim.world import Outcome
+from tests.engagements import circle, drag, straight, task, to_exit
+
+POLICIES = {
+    Outcome.EXIT: drag,
+    Outcome.SHOT_DOWN: straight,
+    Outcome.LEFT_FIELD: straight,
+    Outcome.TIMEOUT: circle,
+}
+SEEDS = 40
+
+
+@cache
+def ending(outcome: Outcome, flown: Task | None = None) -> Trajectory:
+    """The first flight, by seed, that ends so: with all missiles, or without any where those would end it first."""
+    unarmed = outcome in (Outcome.LEFT_FIELD, Outcome.TIMEOUT)
+    flown = flown or (task(1, 2, 3, 4) if unarmed else task())
+    for seed in range(SEEDS):
+        flight = fly(flown, POLICIES[outcome], f"{outcome.name.lower()} of a test", seed)
+        if flight.outcome is outcome and (unarmed or flight.events[0].kind == "launch"):
+            return flight
+    raise AssertionError(f"no flight ends with {outcome.name}")
+
+
+def unhindered() -> Trajectory:
+    """To the exit with every missile masked."""
+    return fly(task(1, 2, 3, 4), to_exit, "to the exit", 3)
