@@ -1,4 +1,4 @@
-"""Aircraft and missiles stay within what their numbers allow, and energy is neither found nor lost."""
+"""Law: aircraft and missiles stay within what their numbers allow: load factor, bank, roll rate, thrust, pull."""
 
 from __future__ import annotations
 
@@ -6,155 +6,150 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.trajectory import BodyTrack, MissileTrack, fly
-from sim.world import Fate
-from tests.engagements import DRILL, FIGHTER, Policy, changed, circle, drag, straight, task
+from sim.scenario import Aircraft, Missile, Scenario
+from tests.engagements import DRILL, FIGHTER, Policy, changed, circle, drag, task
+from tests.laws.records import SCENARIOS, hard_turns
+from tests.laws.tracks import (
+    DT,
+    GRAVITY,
+    Body,
+    Flight,
+    body,
+    density,
+    fly_tracks,
+    load_factor,
+    missiles,
+    pull,
+    zigzag,
+)
 
-GRAVITY = 9.80665
-DT = DRILL.rules.step_s / DRILL.rules.substeps
-SHORT = {"max_steps": 120}
-
-
-def zigzag(observation: NDArray) -> NDArray:
-    """Hard over to one side, then to the other, by position."""
-    return np.where(np.floor(observation[:, :1] / 1500.0) % 2 == 0, 1.5, -1.5)
-
-
-def bodies(act: Policy) -> list[BodyTrack]:
-    flown = [fly(task(scenario=changed(rules=SHORT)), act, "test", seed=3, episode=e) for e in range(4)]
-    return [body for t in flown for body in (t.evader, t.interceptor)]
-
-
-def density(altitude: NDArray) -> NDArray:
-    """ISA air density [kg/m^3] by the hydrostatic equation, in double precision and another way than the kernel."""
-    grid = np.linspace(0.0, 25e3, 250_001)
-    kelvin = np.maximum(288.15 - 0.0065 * grid, 216.65)
-    fall = GRAVITY / (287.05287 * kelvin)
-    steps = (fall[1:] + fall[:-1]) / 2 * np.diff(grid)
-    pressure = 101325.0 * np.exp(-np.concatenate([[0.0], np.cumsum(steps)]))
-    return np.interp(altitude, grid, pressure / (287.05287 * kelvin))
-
-
-def load_factor(body: BodyTrack) -> NDArray:
-    """Load factor [1] from the turn rates of the recorded path."""
-    turn = np.unwrap(body.heading_rad)
-    middle = slice(0, -1)
-    speed, climb = body.speed_m_s[middle], body.pitch_rad[middle]
-    sideways = speed * np.cos(climb) * np.diff(turn) / DT / GRAVITY
-    upwards = speed * np.diff(body.pitch_rad) / DT / GRAVITY + np.cos(climb)
-    return np.hypot(sideways, upwards)
+LANES = 24
+FLIGHTS: dict[str, Policy | NDArray] = {
+    "zigzag": zigzag, "drag": drag, "circle": circle, "hard": hard_turns(100, LANES, seed=3),
+}  # fmt: skip
+# Missiles so weak that they must always pull all they can, fired near by and at any angle.
+WEAK = {"load_factor_max": 4.0, "full_load_pressure_pa": 100e3, "lag_s": 0.6, "fuse_m": 0.5}
+NEAR_BY = {
+    "launch": {"range_m": 20e3, "interval_s": 5.0, "range_min_m": 500.0, "radar_half_angle_rad": 1.4},
+    "start": {"heading_spread_rad": 1.5, "evader_x_high_m": 10e3},
+}
+ROUNDING = 1e-3
+"""Share of a limit: float32 headings resolve 2e-7 rad, over a substep and at 280 m/s about 1e-4 of a load factor."""
 
 
-@pytest.mark.parametrize("act", [zigzag, drag, circle])
-def test_the_load_factor_stays_below_the_structures_and_the_wings(act: Policy) -> None:
-    highest = 0.0
-    for body in bodies(act):
-        load = load_factor(body)
-        lift = 0.5 * density(body.position_m[:-1, 2]) * body.speed_m_s[:-1] ** 2 * FIGHTER.wing_area_m2 * FIGHTER.cl_max
-        limit = np.minimum(FIGHTER.load_factor_max, lift / (FIGHTER.mass_kg * GRAVITY))
-        # float32 headings resolve 2e-7 rad, over a substep and at 280 m/s about 1e-4 of a load factor.
-        assert (load <= limit * 1.002 + 2e-3).all()
-        highest = max(highest, load.max())
-    assert highest > 2.0
+def flown(act: Policy | NDArray, scenario: Scenario = DRILL) -> NDArray:
+    """Rows of 24 engagements over 100 seconds."""
+    return fly_tracks(task(scenario=scenario), act, 100, LANES)
 
 
-@pytest.mark.parametrize("act", [zigzag, drag, circle])
-def test_the_bank_stays_below_a_quarter_turn_and_rolls_no_faster_than_allowed(act: Policy) -> None:
-    for body in bodies(act):
-        assert abs(body.bank_rad).max() < np.pi / 2
-        assert abs(np.diff(body.bank_rad)).max() <= FIGHTER.roll_rate_max_rad_s * DT * (1 + 1e-5)
-        # A coordinated turn of at most the structure's load factor needs no more bank than this.
-        assert abs(body.bank_rad).max() <= np.arccos(0.2 / FIGHTER.load_factor_max) + 1e-6
+def load_used(b: Body, model: Aircraft) -> float:
+    """Largest load factor over what the structure and the wing allow."""
+    height, speed = b.position[:, :-1, 2], b.speed[:, :-1]
+    lift = 0.5 * density(height) * speed**2 * model.wing_area_m2 * model.cl_max
+    allowed = np.minimum(model.load_factor_max, lift / (model.mass_kg * GRAVITY))
+    return float(np.nanmax(load_factor(b) / allowed))
+
+
+def roll_used(b: Body, model: Aircraft) -> float:
+    """Largest roll rate over the largest allowed."""
+    return float(np.nanmax(np.abs(np.diff(b.bank))) / DT / model.roll_rate_max_rad_s)
+
+
+def pull_used(m: Flight, model: Missile) -> float:
+    """Largest pull over what the fins can have built up: dynamic pressure allows, the autopilot's lag follows."""
+    _, across = pull(m)
+    pressure = 0.5 * density(m.position[:-1, 2]) * (m.velocity[:-1] ** 2).sum(axis=1)
+    allowed = model.load_factor_max * GRAVITY * np.minimum(1.0, pressure / model.full_load_pressure_pa)
+    reached, most = 0.0, np.empty_like(allowed)
+    for n, limit in enumerate(allowed):
+        reached += (limit - reached) * -np.expm1(-DT / model.lag_s)
+        most[n] = reached
+    # Two hundredths of m/s^2: float32 speeds of a thousand metres per second, over a substep.
+    return float(((across - 0.02) / most).max())
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("flight", FLIGHTS)
+def test_the_load_factor_stays_within_structure_and_lift(flight: str, side: int) -> None:
+    used = load_used(body(flown(FLIGHTS[flight]), side), FIGHTER)
+    assert used < 1.0 + ROUNDING
+    # The evader does go to the limit, or nothing would have been tested.
+    assert side == 1 or used > 0.99
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("flight", FLIGHTS)
+def test_it_rolls_no_faster_than_allowed_and_never_over(flight: str, side: int) -> None:
+    b = body(flown(FLIGHTS[flight]), side)
+    used = roll_used(b, FIGHTER)
+    assert used < 1.0 + ROUNDING
+    assert side == 1 or used > 0.99
+    # A coordinated turn of at most the structure's load factor needs no more bank than this.
+    assert np.nanmax(np.abs(b.bank)) <= np.arccos(0.2 / FIGHTER.load_factor_max) + 1e-6
+
+
+def weak_pulls(**other: float) -> list[float]:
+    """What weak missiles use of their limits, when some of their numbers are other than the limits say."""
+    scenario = changed(missile=WEAK | other, **NEAR_BY)
+    allowed = changed(missile=WEAK).missile
+    return [pull_used(m, allowed) for m in missiles(flown(FLIGHTS["hard"], scenario))]
+
+
+@pytest.mark.parametrize("flight", FLIGHTS)
+def test_missiles_pull_no_more_than_structure_and_air_allow(flight: str) -> None:
+    used = [pull_used(m, DRILL.missile) for m in missiles(flown(FLIGHTS[flight]))]
+    assert len(used) > 30
+    assert max(used) < 1.0 + ROUNDING
+
+
+def test_weak_missiles_pull_all_they_may_and_no_more() -> None:
+    assert 0.99 < max(weak_pulls()) < 1.0 + ROUNDING
+
+
+def test_the_default_scenario_keeps_its_limits_too() -> None:
+    scenario = SCENARIOS["default"]
+    rows = flown(FLIGHTS["hard"], scenario)
+    for b, model in ((body(rows, 0), scenario.evader), (body(rows, 1), scenario.interceptor)):
+        assert load_used(b, model) < 1.0 + ROUNDING
+        assert roll_used(b, model) < 1.0 + ROUNDING
+    assert max(pull_used(m, scenario.missile) for m in missiles(rows)) < 1.0 + ROUNDING
+
+
+@pytest.mark.parametrize("name", ["load_factor_max", "cl_max", "roll_rate_max_rad_s"])
+def test_an_aircraft_allowed_a_hundredth_more_would_be_noticed(name: str) -> None:
+    bolder = changed(evader={name: getattr(FIGHTER, name) * 1.01})
+    b = body(flown(FLIGHTS["hard"], bolder), side=0)
+    assert max(load_used(b, FIGHTER), roll_used(b, FIGHTER)) > 1.0 + ROUNDING
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"), [("load_factor_max", 1.01), ("full_load_pressure_pa", 0.99), ("lag_s", 0.9)]
+)
+def test_a_missile_allowed_a_little_more_would_be_noticed(name: str, factor: float) -> None:
+    assert max(weak_pulls(**{name: WEAK[name] * factor})) > 1.0 + ROUNDING
 
 
 def test_a_turn_bends_the_way_it_banks() -> None:
-    for body in bodies(zigzag):
-        turning = np.abs(body.bank_rad[1:]) > 0.1
-        bent = np.diff(np.unwrap(body.heading_rad))
-        assert (np.sign(bent[turning]) == np.sign(body.bank_rad[1:][turning])).all()
+    b = body(flown(zigzag), side=0)
+    turning = np.abs(b.bank[:, 1:]) > 0.1
+    bent = np.diff(b.heading)
+    bent = np.arctan2(np.sin(bent), np.cos(bent))
+    assert (np.sign(bent[turning]) == np.sign(b.bank[:, 1:][turning])).all()
 
 
 def test_thrust_never_exceeds_the_engine() -> None:
-    for body in bodies(zigzag):
-        height, speed, load = body.position_m[:, 2], body.speed_m_s, load_factor(body)
-        energy_rate = FIGHTER.mass_kg * np.diff(speed**2 / 2 + GRAVITY * height) / DT
-        air = density(height[:-1])
-        pressure = 0.5 * air * speed[:-1] ** 2 * FIGHTER.wing_area_m2
-        weight = FIGHTER.mass_kg * GRAVITY
-        drag_n = pressure * FIGHTER.cd0 + FIGHTER.induced_drag * (load * weight) ** 2 / pressure
-        thrust_n = energy_rate / speed[:-1] + drag_n
-        engine_n = FIGHTER.thrust_max_n * (air / 1.225) ** 0.7
-        # Averages over a second: single differences of float32 heights are noisy.
-        smooth = np.convolve(thrust_n - engine_n, np.full(20, 0.05), "valid")
-        assert smooth.max() < 0.01 * FIGHTER.thrust_max_n
-        assert np.convolve(thrust_n, np.full(20, 0.05), "valid").min() > -0.01 * FIGHTER.thrust_max_n
+    b = body(fly_tracks(task(1, 2, 3, 4), zigzag, 60, LANES), side=0)
+    height, speed, load = b.position[..., 2], b.speed, load_factor(b)
+    energy_rate = FIGHTER.mass_kg * np.diff(speed**2 / 2 + GRAVITY * height) / DT
+    air = density(height[:, :-1])
+    pressure = 0.5 * air * speed[:, :-1] ** 2 * FIGHTER.wing_area_m2
+    drag_n = pressure * FIGHTER.cd0 + FIGHTER.induced_drag * (load * FIGHTER.mass_kg * GRAVITY) ** 2 / pressure
+    thrust_n = energy_rate / speed[:, :-1] + drag_n
+    # Averages over a second: single differences of float32 heights are noisy.
+    over = _each_second(thrust_n - FIGHTER.thrust_max_n * (air / 1.225) ** 0.7)
+    assert -1e3 < np.nanmax(over) < 0.01 * FIGHTER.thrust_max_n
+    assert np.nanmin(_each_second(thrust_n)) > -0.01 * FIGHTER.thrust_max_n
 
 
-@pytest.mark.parametrize("act", [straight, circle])
-def test_a_glider_loses_the_energy_that_drag_takes(act: Policy) -> None:
-    engineless = {"thrust_max_n": 100.0, "mass_kg": 12000.0}
-    scenario = changed(evader=engineless, interceptor=engineless, rules={"max_steps": 40})
-    for episode in range(3):
-        body = fly(task(1, 2, 3, 4, scenario=scenario), act, "glide", seed=3, episode=episode).evader
-        height, speed, load = body.position_m[:, 2], body.speed_m_s, load_factor(body)
-        energy = 12000.0 * (speed**2 / 2 + GRAVITY * height)
-        pressure = 0.5 * density(height[:-1]) * speed[:-1] ** 2 * FIGHTER.wing_area_m2
-        drag_n = pressure * FIGHTER.cd0 + FIGHTER.induced_drag * (load * 12000.0 * GRAVITY) ** 2 / pressure
-        work = (drag_n * speed[:-1] * DT).sum()
-        assert energy[0] - energy[-1] == pytest.approx(work, rel=0.01)
-
-
-def shots(**missile: float) -> list[MissileTrack]:
-    scenario = changed(missile=missile)
-    flown = [fly(task(2, 3, 4, scenario=scenario), circle, "test", seed=5, episode=e).missiles[0] for e in range(4)]
-    return [m for m in flown if m.fate is not Fate.UNLAUNCHED]
-
-
-def velocity(missile: MissileTrack) -> tuple[NDArray, NDArray]:
-    """Position and velocity `[n, 3]` while the missile flies."""
-    flying = np.isfinite(missile.range_m)
-    pitch, heading, speed = missile.pitch_rad[flying], missile.heading_rad[flying], missile.speed_m_s[flying]
-    nose = np.stack([np.cos(pitch) * np.cos(heading), np.cos(pitch) * np.sin(heading), np.sin(pitch)], axis=1)
-    return missile.position_m[flying], speed[:, None] * nose
-
-
-def test_missiles_pull_no_more_than_they_may() -> None:
-    for missile in shots():
-        position, speed = velocity(missile)
-        acceleration = np.diff(speed, axis=0) / DT + [0.0, 0.0, GRAVITY]
-        nose = speed[:-1] / np.linalg.norm(speed[:-1], axis=1, keepdims=True)
-        lateral = np.linalg.norm(acceleration - (acceleration * nose).sum(axis=1, keepdims=True) * nose, axis=1)
-        pressure = 0.5 * density(position[:-1, 2]) * (speed[:-1] ** 2).sum(axis=1)
-        share = np.minimum(1.0, pressure / DRILL.missile.full_load_pressure_pa)
-        # The autopilot lags behind a falling limit by its time constant.
-        behind = np.maximum.accumulate(share[::-1])[::-1] if share[-1] > share[0] else np.maximum.accumulate(share)
-        assert (lateral <= DRILL.missile.load_factor_max * GRAVITY * behind * 1.01 + 1.0).all()
-
-
-def test_a_coasting_missile_loses_the_energy_that_drag_takes() -> None:
-    # Drag again from the scenario's words: zero-lift drag by Mach number plus drag due to the lateral pull.
-    table_mach = [0.0, 0.6, 1.0, 1.2, 2.0, 3.0, 4.0, 9.0]
-    table_share = [0.532, 0.532, 0.853, 1.0, 0.819, 0.630, 0.504, 0.504]
-    mass = DRILL.missile.mass_kg - DRILL.missile.propellant_kg
-    checked = 0
-    for missile in shots(speed_min_m_s=350.0):
-        position, speed = velocity(missile)
-        coast = slice(round(DRILL.missile.burn_s / DT) + 2, -1)
-        position, speed = position[coast], speed[coast]
-        if len(speed) < 100:
-            continue
-        v = np.linalg.norm(speed, axis=1)[:-1]
-        acceleration = np.diff(speed, axis=0) / DT + [0.0, 0.0, GRAVITY]
-        nose = speed[:-1] / v[:, None]
-        lateral = np.linalg.norm(acceleration - (acceleration * nose).sum(axis=1, keepdims=True) * nose, axis=1)
-        height = position[:-1, 2]
-        sound = np.sqrt(1.4 * 287.05287 * np.maximum(288.15 - 0.0065 * height, 216.65))
-        force = 0.5 * density(height) * v**2 * DRILL.missile.area_m2
-        drag_n = force * DRILL.missile.cd0 * np.interp(v / sound, table_mach, table_share)
-        drag_n += DRILL.missile.induced_drag * (mass * lateral) ** 2 / force
-        middle = (speed[:-1] + speed[1:]) / 2
-        work = (drag_n * (middle * nose).sum(axis=1) * DT).sum()
-        energy = mass * ((speed**2).sum(axis=1) / 2 + GRAVITY * position[:, 2])
-        assert energy[0] - energy[-1] == pytest.approx(work, rel=0.005)
-        checked += 1
-    assert checked >= 2
+def _each_second(rows: NDArray) -> NDArray:
+    return rows[:, : rows.shape[1] // 20 * 20].reshape(len(rows), -1, 20).mean(axis=2)
