@@ -113,7 +113,7 @@ def test_natural_guides_are_those_of_the_very_scenario() -> None:
     assert natural_guide(TrainingConfig(scenario=SIX, missiles=1)) == "expert-navigation"
     assert natural_guide(TrainingConfig(scenario=SIX, curriculum=True)) == "expert-navigation"
     with pytest.raises(
-        UnknownPolicyError, match="no policy for 2 missiles of scenario 'six-missiles' is shipped.*--gu"
+        UnknownPolicyError, match=r"2 missiles of scenario 'six-missiles' is shipped.*--guide"
     ):
         guide_for(TrainingConfig(scenario=SIX, missiles=3))
     assert guide_for(TrainingConfig(scenario=SIX, missiles=3, guide="submas-source-2")).name == "submas-source-2"
