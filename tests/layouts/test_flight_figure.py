@@ -131,10 +131,12 @@ def test_no_words_lie_on_others_and_all_are_on_the_sheet(missiles: int) -> None:
     assert [words for words, box in places if box.x0 < 0 or box.x1 > figure.bbox.x1] == []
 
 
-def test_a_name_is_words_and_never_mathematics() -> None:
-    figure = flight_figure(replace(sample_flight(), policy="$\\frac{1"))
-    figure.canvas.draw()
-    assert any("$\\frac{1" in text for text in words(figure))
+def test_names_and_events_are_words_and_never_mathematics() -> None:
+    flight = sample_flight()
+    event = replace(flight.events[0], text="missile $x_1$")
+    figure = flight_figure(replace(flight, policy="$x_1$", events=(event,)))
+    texts = [text for text in figure.findobj(Text) if "$x_1$" in text.get_text()]
+    assert [text.get_parse_math() for text in texts] == [False, False]
 
 
 def test_neither_importing_nor_drawing_touches_the_global_state_of_pyplot() -> None:

@@ -13,9 +13,10 @@ import pytest
 from pyacmi import Acmi
 
 from sim.task import Task
-from sim.trajectory import BodyTrack, Trajectory
+from sim.trajectory import BodyTrack, Trajectory, fly
 from sim.world import Fate, Outcome
-from tests.engagements import changed
+from tests.engagements import changed, straight
+from tests.engagements import task as drill
 from tests.workbench.flights import ending, unhindered
 from workbench.acmi import acmi_text, zipped_acmi
 from workbench.acmi_bodies import vertical_g
@@ -23,6 +24,7 @@ from workbench.acmi_check import check_acmi, check_positions
 from workbench.acmi_transform import number_texts, transforms, yaw_deg
 
 ENDINGS = [outcome for outcome in Outcome if outcome.name in ("EXIT", "SHOT_DOWN", "LEFT_FIELD", "TIMEOUT")]
+DRILL = drill()
 EIGHT = Task(changed(launch={"missiles": 8, "interval_s": 6.0}))
 ONE = Task(changed(launch={"missiles": 1}))
 
@@ -87,6 +89,13 @@ def test_every_ending_makes_a_sound_recording(outcome: Outcome) -> None:
     assert check_positions(acmi_text(flight), flight) == []
 
 
+def test_missiles_that_stop_short_in_the_substep_of_a_kill_are_where_they_were() -> None:
+    kills = [flight for seed in range(8) if (flight := fly(DRILL, straight, "straight", seed)).killer]
+    assert len(kills) >= 3
+    for flight in kills:
+        assert check_positions(acmi_text(flight), flight) == []
+
+
 @pytest.mark.parametrize("task", [ONE, EIGHT, replace(EIGHT, masked=frozenset({2, 7}))], ids=["one", "eight", "masked"])
 @pytest.mark.parametrize("outcome", [Outcome.EXIT, Outcome.SHOT_DOWN], ids=["exit", "shot_down"])
 def test_any_number_of_missiles_makes_a_sound_recording(task: Task, outcome: Outcome) -> None:
@@ -142,6 +151,32 @@ def test_the_return_is_told_as_it_is_paid(tmp_path: Path) -> None:
     assert float(evader.get_value("Return", 3.0)) == pytest.approx(-0.3)
     assert float(evader.get_value("Reward", 3.0)) == pytest.approx(-0.1)
     assert float(evader.get_value("Return", 0.0)) == 0.0
+
+
+def test_mach_is_speed_by_the_speed_of_sound_at_that_height(tmp_path: Path) -> None:
+    flight = ending(Outcome.EXIT)
+    recording = read(flight, tmp_path)
+    for ident in ("a1", "b1", "c1"):
+        body, time_s = recording.objects[ident], flight.missiles[0].launch_s + 5.0
+        sound_m_s = math.sqrt(1.4 * 287.053 * (288.15 - 0.0065 * body.altitude(time_s)))
+        assert body.mach(time_s) == pytest.approx(body.tas(time_s) / sound_m_s, abs=1e-3)
+
+
+@pytest.mark.parametrize("launch", [{"radar_range_m": 20e3}, {"radar_half_angle_rad": 0.3}], ids=["range", "angle"])
+def test_the_lock_is_there_while_the_evader_is_in_the_radar(launch: dict[str, float], tmp_path: Path) -> None:
+    flight = unhindered()
+    flight = replace(flight, task=replace(flight.task, scenario=changed(launch=launch)))
+    hunter, modes = read(flight, tmp_path).objects["b1"], set()
+    for index in range(0, len(flight.time_s), 200):
+        offset = flight.evader.position_m[index] - flight.interceptor.position_m[index]
+        heading = float(flight.interceptor.heading_rad[index])
+        ahead = offset[0] * math.cos(heading) + offset[1] * math.sin(heading)
+        off_nose = math.acos(ahead / math.hypot(offset[0], offset[1]))
+        near = math.dist(offset, (0, 0, 0)) <= launch.get("radar_range_m", 80e3)
+        mode = float(hunter.get_value("LockedTargetMode", round(float(flight.time_s[index]), 3)))
+        assert mode == float(near and off_nose <= launch.get("radar_half_angle_rad", 1.05))
+        modes.add(mode)
+    assert modes == {0.0, 1.0}
 
 
 def test_a_kill_is_a_timeout_a_destruction_an_explosion_and_removals() -> None:

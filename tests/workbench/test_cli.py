@@ -35,7 +35,7 @@ MISTAKES = [
     ("fly damaged.safetensors", "policy file 'damaged.safetensors' is damaged"),
     ("evaluate empty.safetensors", "policy file 'empty.safetensors' is damaged"),
     ("fly 20250101-000000-aaaaaa", "run 20250101-000000-aaaaaa is not in"),
-    ("fly random --out flight.xyz", "--out flight.xyz ends in '.xyz'; legal are .csv, .rrd"),
+    ("fly random --out flight.xyz", "--out flight.xyz ends in '.xyz'; legal are .acmi, .csv, .parquet"),
     ("fly random --out flight", "--out flight has no suffix"),
     ("fly random --seed -1", "--seed is -1; it must not be negative"),
     ("evaluate random --episodes 0", "--episodes is 0; legal are 1 to"),
@@ -129,7 +129,7 @@ def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
 def test_help_comes_at_once_and_loads_no_heavy_library() -> None:
     code = (
         "import sys; from workbench.cli import main; main(['--help']);"
-        "sys.exit(','.join(sorted({'torch', 'panel', 'warp', 'rerun', 'viser', 'bokeh'} & set(sys.modules))))"
+        "sys.exit(','.join(sorted({'torch', 'panel', 'warp', 'rerun', 'viser', 'bokeh', 'matplotlib'} & set(sys.modules))))"
     )
     began = time.monotonic()
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, env=environment())

@@ -128,6 +128,16 @@ def test_columns_say_their_unit_and_missiles_that_do_not_fly_are_empty() -> None
     assert first["missile_1_range_m"] == ""
 
 
+def test_a_column_holds_what_its_name_says() -> None:
+    flight = ending(Outcome.EXIT)
+    columns = table(flight)
+    for axis, name in enumerate("xyz"):
+        assert np.array_equal(columns[f"evader_{name}_m"], flight.evader.position_m[:, axis])
+        assert np.array_equal(columns[f"missile_2_{name}_m"], flight.missiles[1].position_m[:, axis], equal_nan=True)
+    assert np.array_equal(columns["interceptor_heading_rad"], flight.interceptor.heading_rad)
+    assert np.array_equal(columns["missile_2_azimuth_rad"], flight.missiles[1].azimuth_rad, equal_nan=True)
+
+
 def test_the_sum_over_steps_of_the_reward_column_is_the_return() -> None:
     flight = ending(Outcome.EXIT)
     columns = table(flight)
@@ -159,6 +169,7 @@ def test_rerun_reads_its_recording_with_the_blueprint_in_it(tmp_path: Path) -> N
     assert caption(flight) in "".join(chunk.format() for chunk in reader.stream(store=blueprint))
     entities = {chunk.entity_path for chunk in reader.stream()}
     assert {"/a/space/evader", "/a/space/interceptor", "/a/events"} <= entities
+    assert {"/a/azimuth/missile_1", "/a/range/missile_1", "/a/range/interceptor"} <= entities
     assert {f"/a/space/missile_{missile.number}" for missile in flight.missiles} <= entities
 
 
