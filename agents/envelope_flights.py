@@ -103,7 +103,7 @@ class _Record:
 
     def finish(self, index: IntArray, lanes: IntArray, world: World) -> None:
         outcome = world.outcome[lanes]
-        self.flights.survived[index] = outcome != Outcome.SHOT_DOWN
+        self.flights.survived[index] = ~np.isin(outcome, (Outcome.SHOT_DOWN, Outcome.NOT_FINITE))
         self.flights.exited[index] = outcome == Outcome.EXIT
         self.flights.closest_m[index] = world._state.closest.numpy()[lanes].min(axis=1)
         self.flights.time_s[index] = world.steps[lanes] * self._step_s

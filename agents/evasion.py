@@ -27,6 +27,7 @@ class EvasionDomain:
         int(Outcome.SHOT_DOWN): "shot_down",
         int(Outcome.LEFT_FIELD): "left_field",
         int(Outcome.TIMEOUT): "timeout",
+        int(Outcome.NOT_FINITE): "not_finite",
     }
 
     def layout(self, subtasks: tuple[int, ...]) -> ObservationLayout:

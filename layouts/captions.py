@@ -27,6 +27,7 @@ def outcome_text(flight: Trajectory) -> str:
         Outcome.SHOT_DOWN: f"✗ Shot down by missile {flight.killer}",
         Outcome.LEFT_FIELD: "✗ Left the battlefield",
         Outcome.TIMEOUT: "✗ Out of time",
+        Outcome.NOT_FINITE: "✗ Void: a number was no longer finite",
     }
     return texts.get(flight.outcome, f"✗ {flight.outcome.name.capitalize().replace('_', ' ')}")
 

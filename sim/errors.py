@@ -21,3 +21,7 @@ class ScenarioError(UsageError):
 
 class MaskError(UsageError):
     """A subtask mask names a missile that the scenario does not have."""
+
+
+class ActionError(UsageError):
+    """An action is not a finite number."""

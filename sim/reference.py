@@ -28,14 +28,15 @@ from sim.reference_physics import (
     take,
     wrap,
 )
-from sim.scenario import Scenario
+from sim.scenario import Missile, Scenario, Sensor
+from sim.sensor import sense
 from sim.start import initial_states
 from sim.task import Task
 from sim.world import Fate, Outcome, Step, World
 
 EVADER, INTERCEPTOR = 0, 1
-_ARRAYS = {name: name for name in ("fate", "closest", "range_factor", "steps", "outside", "outcome", "killer")}
-_ARRAYS |= {"held_altitude": "altitude", "held_speed": "speed"}
+SHOTS = ("reach", "interval", "thrust", "drag", "navigation", "lag")
+"""Factors drawn for every shot, in the order of the blocks of `sim.start.initial_states`."""
 
 
 class ReferenceWorld:
@@ -53,15 +54,16 @@ class ReferenceWorld:
         position, velocity, lateral = np.zeros((3, lanes, missiles, 3))
         self.missile = MissileState(position, velocity, lateral, age=np.zeros((lanes, missiles)))
         self.fate = np.zeros((lanes, missiles), np.int32)
-        self.closest, self.range_factor = np.zeros((2, lanes, missiles))
+        self.closest = np.zeros((lanes, missiles))
+        self.shot = {name: np.ones((lanes, missiles)) for name in SHOTS}
         self.held_altitude, self.held_speed = np.zeros((2, lanes, 2))
         self.waited = np.zeros(lanes, np.int64)  # substeps since the last launch
         self.steps, self.outside, self.outcome, self.killer = np.zeros((4, lanes), np.int32)
         self._fleet = _side_by_side(task.scenario)
         self._armed = np.array([m in task.missiles for m in range(1, missiles + 1)])
         self._dt = task.scenario.rules.step_s / task.scenario.rules.substeps
-        self._interval = int(np.ceil(task.scenario.launch.interval_s / self._dt - 1e-9))
-        self._next_episode = 0
+        self._order = np.cumsum(self._armed) - self._armed  # which shot an armed missile is
+        self.episode, self._next_episode = np.zeros(lanes, np.int64), 0
         self.reset()
 
     def reset(self, lanes: ArrayLike | None = None, episodes: ArrayLike | None = None) -> NDArray[np.float32]:
@@ -71,6 +73,7 @@ class ReferenceWorld:
             episodes = self._next_episode + np.arange(len(chosen))
             self._next_episode += len(chosen)
         if len(chosen):
+            self.episode[chosen] = episodes
             self._start(chosen, initial_states(self.task.scenario, self.seed, np.asarray(episodes)).astype(float))
         return self.observation
 
@@ -91,15 +94,18 @@ class ReferenceWorld:
     def taking_over(cls, world: World) -> ReferenceWorld:
         """A reference in the very state that a world is in now: comparisons may begin in the middle of a flight."""
         taken = cls(world.task, world.lanes, world.seed)
-        state, dt = world._state, taken._dt
-        for name, bodies in (("aircraft", taken.aircraft), ("missile", taken.missile)):
-            rows = getattr(state, name).numpy()
+        state, dt = world.state(), taken._dt
+        for bodies, rows in ((taken.aircraft, world.aircraft), (taken.missile, world.missiles)):
             for field in dataclasses.fields(bodies):
                 setattr(bodies, field.name, rows[field.name].astype(float))
         taken.missile.age = np.round(np.round(taken.missile.age / dt) * dt, 9)
-        for name, origin in _ARRAYS.items():
-            setattr(taken, name, getattr(state, origin).numpy().astype(getattr(taken, name).dtype))
-        taken.waited = np.round(state.since_launch.numpy() / dt).astype(np.int64)
+        for name in ("fate", "steps", "outside", "outcome", "killer", "episode"):
+            setattr(taken, name, state[name])
+        taken.closest = world.closest.astype(float)
+        taken.held_altitude, taken.held_speed = np.moveaxis(state["aircraft"][..., 10:12], -1, 0).astype(float)
+        taken.waited = np.round(state["since_launch"] / dt).astype(np.int64)
+        rows = initial_states(world.task.scenario, world.seed, taken.episode).astype(float)
+        taken._draw(np.arange(world.lanes), rows)
         return taken
 
     @property
@@ -117,19 +123,27 @@ class ReferenceWorld:
         to_missile = self.missile.position - here[:, None]
         seen = np.stack((length(to_missile), wrap(bearing(to_missile) - own_heading[:, None])), axis=-1)
         blocks = np.where((self.fate == Fate.FLYING)[..., None], seen, UNLAUNCHED)[:, self._armed]
-        return np.column_stack((*own, blocks.reshape(self.lanes, -1))).astype(np.float32)
+        truth = np.column_stack((*own, blocks.reshape(self.lanes, -1))).astype(np.float32)
+        sensor, age_s = self.task.scenario.sensor, self.missile.age[:, self._armed]
+        return truth if sensor == Sensor() else sense(sensor, self.seed, self.episode, self.steps, age_s, truth)
 
     def _start(self, lanes: NDArray[np.intp], start: Array) -> None:
-        """Put lanes to rows x, y, altitude, heading, speed of both aircraft and a range factor per missile."""
+        """Put lanes to rows x, y, altitude, heading, speed of both aircraft and the draws of the shots."""
         sides = start[:, :10].reshape(-1, 2, 5)
         level = np.zeros((len(lanes), 2))
         put(self.aircraft, lanes, AircraftState(sides[..., :3], sides[..., 4], level, wrap(sides[..., 3]), level))
         self.held_altitude[lanes], self.held_speed[lanes] = sides[..., 2], sides[..., 4]
-        self.range_factor[lanes] = start[:, 10:]
+        self._draw(lanes, start)
         self.fate[lanes], self.closest[lanes] = Fate.UNLAUNCHED, np.inf
-        self.waited[lanes] = self._interval  # the first missile need not wait
+        self.waited[lanes] = np.iinfo(np.int64).max // 2  # the first missile need not wait
         for counter in (self.steps, self.outside, self.outcome, self.killer):
             counter[lanes] = 0
+
+    def _draw(self, lanes: NDArray[np.intp], start: Array) -> None:
+        """Give every missile the draws of the shot that it will be."""
+        blocks = start[:, 10:].reshape(len(lanes), len(SHOTS), -1)
+        for name, block in zip(SHOTS, np.moveaxis(blocks, 1, 0), strict=True):
+            self.shot[name][lanes] = block[:, np.minimum(self._order, len(self._order) - 1)]
 
     def _substep(self, command: Array, terms: Array) -> None:
         """Everything moves at once from where it was; then the exit is judged, then the interceptor may fire."""
@@ -156,7 +170,8 @@ class ReferenceWorld:
         row, k = np.nonzero(self.fate[on] == Fate.FLYING)
         lane, model, reward = on[row], self.task.scenario.missile, self.task.scenario.reward
         old = take(self.missile, (lane, k))
-        new = fly_missile(old, model, evader.position[row], flight_velocity(evader)[row], self._dt)
+        drawn = self._varied(model, lane, k)
+        new = fly_missile(old, drawn, evader.position[row], flight_velocity(evader)[row], self._dt)
         offset = evader_after[row] - new.position
         miss = closest_approach(evader.position[row] - old.position, offset)
         hit = (miss <= model.fuse_m) & (new.age >= model.arm_s)
@@ -178,6 +193,17 @@ class ReferenceWorld:
         self.outcome[lane[hit]], self.killer[lane[hit]] = Outcome.SHOT_DOWN, k[hit] + 1
         terms[lane, 1 + k] += np.where(hit, reward.shot_down, np.where(evaded, reward.evaded, 0.0))
 
+    def _varied(self, model: Missile, lane: NDArray[np.intp], k: NDArray[np.intp]) -> Any:
+        """The missile's numbers as drawn for some shots, each an array `[n]` where it varies."""
+        factor = {name: values[lane, k] for name, values in self.shot.items()}
+        numbers: dict[str, Any] = {
+            "thrust_n": model.thrust_n * factor["thrust"],
+            "cd0": model.cd0 * factor["drag"],
+            "navigation_constant": model.navigation_constant * factor["navigation"],
+            "lag_s": model.lag_s * factor["lag"],
+        }
+        return dataclasses.replace(model, **numbers)
+
     def _spent(self, missile: MissileState, distance: Array, closest: Array) -> NDArray[np.bool_]:
         """Whether missiles `[n]` are too slow, too old, or opening again after their closest approach."""
         model = self.task.scenario.missile
@@ -198,10 +224,10 @@ class ReferenceWorld:
         """Fire the lowest missile left when the interval has passed and the evader is in its launch zone."""
         self.waited += 1
         left = (self.fate == Fate.UNLAUNCHED) & self._armed
-        ready = (self.outcome == Outcome.FLYING) & (self.waited >= self._interval) & left.any(axis=1)
-        lane = np.flatnonzero(ready)
+        lane = np.flatnonzero((self.outcome == Outcome.FLYING) & left.any(axis=1))
         k = left[lane].argmax(axis=1)
-        zone = self._in_zone(lane, k)
+        interval = self.task.scenario.launch.interval_s * self.shot["interval"][lane, k]
+        zone = (self.waited[lane] >= np.ceil(interval / self._dt - 1e-3)) & self._in_zone(lane, k)
         lane, k = lane[zone], k[zone]
         carrier = take(self.aircraft, (lane, INTERCEPTOR))
         still = np.zeros((len(lane), 3))
@@ -218,7 +244,7 @@ class ReferenceWorld:
         distance = length(offset)
         head_on = 0.5 - 0.5 * dot(flight_velocity(evader), offset) / (evader.speed * distance)
         aspect = launch.tail_fraction + (1.0 - launch.tail_fraction) * head_on
-        reach = np.minimum(launch.radar_range_m, launch.range_m * self.range_factor[lane, k] * aspect)
+        reach = np.minimum(launch.radar_range_m, launch.range_m * self.shot["reach"][lane, k] * aspect)
         off_nose = np.abs(wrap(bearing(offset) - interceptor.heading))
         return (distance >= launch.range_min_m) & (distance <= reach) & (off_nose <= launch.radar_half_angle_rad)
 

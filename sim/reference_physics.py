@@ -136,7 +136,10 @@ def fly_aircraft(
 
 
 def fly_missile(m: MissileState, model: Missile, target: Array, target_velocity: Array, dt: float) -> MissileState:
-    """One substep `dt` [s] of guided missiles `[n]` towards targets `[n, 3]` [m] and their velocities [m/s]."""
+    """One substep `dt` [s] of guided missiles `[n]` towards targets `[n, 3]` [m] and their velocities [m/s].
+
+    Thrust, drag, navigation constant and lag of the model may be arrays `[n]`, drawn for every shot.
+    """
     speed = length(m.velocity)
     forward = m.velocity / speed[:, None]
     density, sound = air(m.position[:, 2])
@@ -149,7 +152,8 @@ def fly_missile(m: MissileState, model: Missile, target: Array, target_velocity:
     air_share = np.minimum(1.0, pressure / max(model.full_load_pressure_pa, 1.0))
     pull_max = model.load_factor_max * GRAVITY_M_S2 * air_share
     wanted *= np.minimum(1.0, pull_max / np.maximum(length(wanted), 1e-6))[:, None]
-    lateral = across(wanted + (m.lateral - wanted) * np.exp(-dt / model.lag_s), forward)
+    remains = np.exp(-dt / np.asarray(model.lag_s))[..., None]
+    lateral = across(wanted + (m.lateral - wanted) * remains, forward)
     # The last substep of the motor gets its share of the thrust, so the impulse does not depend on the substep.
     burning = np.clip((model.burn_s - m.age) / dt, 0.0, 1.0)
     mass = model.mass_kg - model.propellant_kg * np.clip(m.age / max(model.burn_s, 1e-6), 0.0, 1.0)
@@ -163,7 +167,7 @@ def fly_missile(m: MissileState, model: Missile, target: Array, target_velocity:
     return MissileState(m.position + 0.5 * dt * (m.velocity + velocity), velocity, lateral, age)
 
 
-def navigate(offset: Array, closing: Array, constant: float) -> Array:
+def navigate(offset: Array, closing: Array, constant: ArrayLike) -> Array:
     """True proportional navigation `[n, 3]` [m/s^2]: N times closing speed times the turn rate of the line of sight.
 
     `offset` and `closing` are target minus missile. A target that opens is not followed.
@@ -173,7 +177,12 @@ def navigate(offset: Array, closing: Array, constant: float) -> Array:
     closing_speed = np.maximum(-dot(sight, closing), 0.0)[:, None]
     # The part of the relative velocity across the line of sight, over the distance, turns it: omega x sight.
     size = dot(sight, sight)[:, None]
-    return constant * closing_speed * (closing * size - sight * dot(sight, closing)[:, None]) / distance
+    return (
+        np.asarray(constant)[..., None]
+        * closing_speed
+        * (closing * size - sight * dot(sight, closing)[:, None])
+        / distance
+    )
 
 
 def across(vector: Array, unit: Array) -> Array:

@@ -111,6 +111,10 @@ class Trajectory:
         )
 
 
+FINITE = 2 * TRACE_AIRCRAFT
+"""Columns of a trace that are finite in every sound flight; a missile's smallest distance is not, before its launch."""
+
+
 def fly(task: Task, act: Act, policy: str, seed: int, episode: int = 0, record_every: int = 1) -> Trajectory:
     """Fly one engagement and record it.
 
@@ -132,7 +136,8 @@ def fly(task: Task, act: Act, policy: str, seed: int, episode: int = 0, record_e
         observations.append(observation[0])
         actions.append(action[0])
         step = world.step(action)
-        rows.append(world.traced(0))
+        traced = world.traced(0)
+        rows.append(traced[np.isfinite(traced[:, :FINITE]).all(axis=1)])
         terms.append(step.reward_terms[0])
         observation = step.observation
         if step.terminated[0] or step.truncated[0]:
@@ -196,6 +201,7 @@ def _events(missiles: tuple[MissileTrack, ...], outcome: Outcome, time_s: NDArra
         Outcome.EXIT: Event(end_s, "exit", 0, "exit reached"),
         Outcome.LEFT_FIELD: Event(end_s, "left_field", 0, "left the battlefield"),
         Outcome.TIMEOUT: Event(end_s, "timeout", 0, "step limit reached"),
+        Outcome.NOT_FINITE: Event(end_s, "not_finite", 0, "a number was no longer finite; the episode is void"),
     }
     if outcome in endings:
         events.append(endings[outcome])

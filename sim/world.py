@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
@@ -12,13 +13,22 @@ import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
 from sim.device import start_warp
-from sim.kernel import reset_lanes, step_lanes
-from sim.model import kernel_model, kernel_state
+from sim.errors import ActionError
+from sim.kernel.lane import IntRow, Row
+from sim.kernel.model import kernel_model, kernel_state
+from sim.kernel.restart import reset_groups
+from sim.kernel.step import step_groups
+from sim.scenario import Sensor
+from sim.sensor import sense
 from sim.start import initial_states
 from sim.task import Task
 
 TRACE_AIRCRAFT = 7
 TRACE_MISSILE = 8
+WIDTH = 16
+"""Lanes that one thread of the kernel moves together."""
+SHARED = ("available",)
+"""Arrays of the kernel's state that belong to the task and not to a lane."""
 
 
 class Outcome(IntEnum):
@@ -29,6 +39,8 @@ class Outcome(IntEnum):
     SHOT_DOWN = 2
     LEFT_FIELD = 3
     TIMEOUT = 4
+    NOT_FINITE = 5
+    """A number of the state was no longer finite: the episode is void, no result of a policy."""
 
 
 class Fate(IntEnum):
@@ -51,7 +63,7 @@ class Step:
     terminated: NDArray[np.bool_]
     """`[L]` exit, shot down, or left the battlefield."""
     truncated: NDArray[np.bool_]
-    """`[L]` the step limit was reached: no terminal state, so learners bootstrap through it."""
+    """`[L]` the step limit was reached (no terminal state, so learners bootstrap through it), or a void episode."""
 
     @property
     def reward(self) -> NDArray[np.float32]:
@@ -63,7 +75,7 @@ class World:
     """L lanes of a task. `reset` starts lanes, `step` moves all that still fly; ended lanes stay as they are.
 
     All missiles are part of every world; a masked one is never fired. So what tasks share moves alike, Eq. (8), until
-    the missile that one of them lacks leaves the interceptor.
+    the interceptor of one of them runs out of missiles.
 
     Args:
         task: what flies, and which missiles are masked.
@@ -76,39 +88,51 @@ class World:
     def __init__(self, task: Task, lanes: int, seed: int = 0, device: str = "cpu", threads: int = 1) -> None:
         start_warp()
         self.task, self.lanes, self.seed, self.device = task, lanes, seed, device
-        self.threads = max(1, min(threads, lanes)) if device == "cpu" else 1
+        self._groups = -(-lanes // WIDTH)
+        self.threads = max(1, min(threads, self._groups)) if device == "cpu" else 1
         self._pool = ThreadPoolExecutor(self.threads) if self.threads > 1 else None
         self._next_episode = 0
+        self._views: dict[int, NDArray] = {}
         self._model = kernel_model(task.scenario)
-        self._state = kernel_state(task, lanes, device)
-        missiles = task.scenario.launch.missiles
+        self._state = kernel_state(task, self._groups, device)
+        missiles, rows = task.scenario.launch.missiles, self._groups * WIDTH
         kept = [7 + 2 * (m - 1) + c for m in task.missiles for c in (0, 1)]
-        self._columns = np.array([*range(7), *kept], dtype=np.intp)
+        self._columns = slice(None) if len(kept) == 2 * missiles else np.array([*range(7), *kept], dtype=np.intp)
         # Warp's stubs leave the element type of `numpy()` open, hence Any.
-        self._action = wp.zeros(lanes, dtype=float, device=device)
-        self._terms: Any = wp.zeros((lanes, missiles + 2), dtype=float, device=device)
-        self._observation: Any = wp.zeros((lanes, 7 + 2 * missiles), dtype=float, device=device)
-        self._flown = wp.zeros(lanes, dtype=int, device=device)
+        self._action: Any = wp.zeros(self._groups, dtype=Row, device=device)
+        self._terms: Any = wp.zeros((rows, missiles + 2), dtype=float, device=device)
+        self._observation: Any = wp.zeros((rows, 7 + 2 * missiles), dtype=float, device=device)
+        self._flown: Any = wp.zeros(self._groups, dtype=IntRow, device=device)
+        self._start: Any = wp.zeros((rows, 10 + 6 * missiles), dtype=float, device=device)
+        self._chosen: Any = wp.zeros(rows, dtype=int, device=device)
         self._trace: Any = wp.zeros((1, 1, 1), dtype=float, device=device)
         self._tracing = 0
+        self._turns = np.zeros(rows, dtype=np.float32)
+        # Lanes that fill up the last group never fly.
+        self._write("outcome", np.full(rows, Outcome.TIMEOUT, dtype=np.int32))
+        self._episode = np.zeros(lanes, dtype=np.int64)
+        self._shares = self._record()
         self.reset()
 
     def trace(self) -> None:
         """Record every substep from now on; `traced` then returns the rows of the last step."""
         width = 2 * TRACE_AIRCRAFT + TRACE_MISSILE * self.task.scenario.launch.missiles
-        shape = (self.lanes, self.task.scenario.rules.substeps, width)
+        shape = (self._groups * WIDTH, self.task.scenario.rules.substeps, width)
         self._trace, self._tracing = wp.zeros(shape, dtype=float, device=self.device), 1
+        self._views.clear()
+        self._shares = self._record()
 
     def snapshot(self, lane: int) -> NDArray[np.float32]:
         """The present state as one row `[1, 14 + 8 M]` of a trace; before the first launch only aircraft matter."""
-        aircraft = self._state.aircraft.numpy()[lane]
-        rows = [np.concatenate([a["position"], [a["speed"], a["climb"], a["heading"], a["bank"]]]) for a in aircraft]
+        bodies = self.aircraft
+        parts = (bodies["position"][lane], *(bodies[name][lane] for name in ("speed", "climb", "heading", "bank")))
+        rows = [np.hstack([part[side] for part in parts]) for side in (0, 1)]
         idle = np.zeros(TRACE_MISSILE * self.task.scenario.launch.missiles)
         return np.concatenate([*rows, idle]).astype(np.float32)[None]
 
     def traced(self, lane: int) -> NDArray[np.float32]:
-        """Substeps of the last decision step `[n, 14 + 8 M]`; see `kernel.write_trace` for the columns."""
-        return self._trace.numpy()[lane, : self._flown.numpy()[lane]].copy()
+        """Substeps of the last decision step `[n, 14 + 8 M]`; see `sim.kernel.readout.write_trace` for the columns."""
+        return self._host(self._trace)[lane, : self._host(self._flown).ravel()[lane]].copy()
 
     def reset(
         self, lanes: ArrayLike | None = None, episodes: ArrayLike | None = None, states: ArrayLike | None = None
@@ -126,58 +150,148 @@ class World:
         if len(chosen):
             numbers = self._number(len(chosen)) if episodes is None else np.asarray(episodes)
             rows = initial_states(self.task.scenario, self.seed, numbers) if states is None else np.asarray(states)
-            start = wp.array(rows.astype(np.float32), dtype=float, device=self.device)
-            ids = wp.array(chosen.astype(np.int32), dtype=int, device=self.device)
-            arguments = [self._model, self._state, ids, start, self._observation]
-            wp.launch(reset_lanes, dim=len(chosen), inputs=arguments, device=self.device)
+            self._episode[chosen] = numbers
+            self._begin(chosen, rows)
         return self.observation
 
     def step(self, actions: ArrayLike) -> Step:
-        """Fly one decision step with turning angles `[L]` or `[L, 1]` [rad], clipped to [-pi/2, pi/2]."""
-        self._action.assign(np.asarray(actions, dtype=np.float32).reshape(self.lanes))
+        """Fly one decision step with turning angles `[L]` or `[L, 1]` [rad], clipped to [-pi/2, pi/2].
+
+        Raises:
+            ActionError: an angle is not finite; nothing has moved then.
+        """
+        self._turns[: self.lanes] = np.asarray(actions, dtype=np.float32).reshape(self.lanes)
+        if not np.isfinite(self._turns).all():
+            lane = int(np.flatnonzero(~np.isfinite(self._turns))[0])
+            found, self._turns[lane] = self._turns[lane], 0.0
+            raise ActionError(f"the action of lane {lane} is {found}; legal is a finite turning angle in radians")
+        if self.device == "cpu":
+            self._host(self._action).ravel()[:] = self._turns
+        else:
+            self._action.assign(self._turns.reshape(-1, WIDTH))
+        before = self.outcome
         self._launch_step()
-        outcome, flew = self.outcome, self._flown.numpy() > 0
-        ended = flew & (outcome != Outcome.FLYING)
-        truncated = ended & (outcome == Outcome.TIMEOUT)
-        return Step(self.observation, self._terms.numpy().copy(), ended & ~truncated, truncated)
+        outcome = self.outcome
+        ended = (before == Outcome.FLYING) & (outcome != Outcome.FLYING)
+        truncated = ended & ((outcome == Outcome.TIMEOUT) | (outcome == Outcome.NOT_FINITE))
+        return Step(self.observation, self._host(self._terms)[: self.lanes].copy(), ended & ~truncated, truncated)
 
     @property
     def observation(self) -> NDArray[np.float32]:
-        """Current observation `[L, d]` in the task's layout (a copy)."""
-        return self._observation.numpy()[:, self._columns]
+        """Current observation `[L, d]` in the task's layout (a copy), as the evader's sensors give it."""
+        truth = self._host(self._observation)[: self.lanes, self._columns].copy()
+        sensor = self.task.scenario.sensor
+        if sensor == Sensor():
+            return truth
+        age_s = self.missiles["age"][:, [m - 1 for m in self.task.missiles]]
+        return sense(sensor, self.seed, self._episode, self.steps, age_s, truth)
 
     @property
     def outcome(self) -> NDArray[np.int32]:
         """`Outcome` of every lane `[L]`."""
-        return self._state.outcome.numpy().copy()
+        return self._lanes(self._state.outcome)
 
     @property
     def killer(self) -> NDArray[np.int32]:
         """Number of the missile that shot the evader down, else 0, `[L]`."""
-        return self._state.killer.numpy().copy()
+        return self._lanes(self._state.killer)
 
     @property
     def fate(self) -> NDArray[np.int32]:
         """`Fate` of missiles 1..M of every lane `[L, M]`."""
-        return self._state.fate.numpy().copy()
+        return self._lanes(self._state.fate)
 
     @property
     def steps(self) -> NDArray[np.int32]:
         """Decision steps flown in the current episode `[L]`."""
-        return self._state.steps.numpy().copy()
+        return self._lanes(self._state.steps)
+
+    @property
+    def closest(self) -> NDArray[np.float32]:
+        """Smallest distance so far of every missile `[L, M]` [m]; infinite before its launch."""
+        return self.missiles["closest"]
+
+    @property
+    def aircraft(self) -> dict[str, NDArray[np.float32]]:
+        """Evader and interceptor: position and velocity `[L, 2, 3]`; speed, climb, heading and bank `[L, 2]`."""
+        rows = self._lanes(self._state.aircraft)
+        scalars = {name: rows[..., 6 + c] for c, name in enumerate(("speed", "climb", "heading", "bank"))}
+        return {"position": rows[..., :3], "velocity": rows[..., 3:6], **scalars}
+
+    @property
+    def missiles(self) -> dict[str, NDArray[np.float32]]:
+        """Missiles 1..M: position, velocity, lateral `[L, M, 3]`, age and closest `[L, M]`."""
+        rows = self._lanes(self._state.missile)
+        vectors = {name: rows[..., 3 * c : 3 * c + 3] for c, name in enumerate(("position", "velocity", "lateral"))}
+        return {**vectors, "age": rows[..., 9], "closest": rows[..., 10]}
+
+    def state(self) -> dict[str, NDArray]:
+        """Everything that changes during an episode, by array name with a leading axis of lanes; see `restore`."""
+        names = [name for name in vars(self._state) if not name.startswith("_") and name not in SHARED]
+        return {name: self._lanes(getattr(self._state, name)) for name in names} | {"episode": self._episode.copy()}
+
+    def restore(self, state: dict[str, NDArray]) -> NDArray[np.float32]:
+        """Put lanes into states `[L, ...]` that `state` gave, of this or another world of the task; the observation."""
+        self._episode[: len(state["episode"])] = state["episode"]
+        for name in state.keys() - {"episode"}:
+            self._write(name, state[name])
+        nobody = wp.zeros(self._groups * WIDTH, dtype=int, device=self.device)
+        self._reset_groups(np.arange(self._groups), nobody)
+        return self.observation
+
+    def _begin(self, chosen: NDArray[np.integer], rows: NDArray) -> None:
+        start, flags = self._host(self._start), self._host(self._chosen)  # on the CPU these are the arrays themselves
+        flags[:] = 0
+        start[chosen], flags[chosen] = rows, 1
+        if self.device != "cpu":
+            self._start.assign(start)
+            self._chosen.assign(flags)
+        self._reset_groups(np.unique(chosen // WIDTH), self._chosen)
+
+    def _reset_groups(self, groups: NDArray[np.integer], chosen: Any) -> None:
+        ids = wp.array(groups.astype(np.int32), dtype=int, device=self.device)
+        arguments = [self._model, self._state, ids, chosen, self._start, self._observation]
+        wp.launch(reset_groups, dim=len(groups), inputs=arguments, device=self.device)
 
     def _launch_step(self) -> None:
         if self._pool is None:
-            self._step_share(0, self.lanes)
+            self._shares[0].launch()
             return
-        bounds = [self.lanes * n // self.threads for n in range(self.threads + 1)]
         # A launch on the CPU releases Python's lock, so shares fly at the same time.
-        list(self._pool.map(self._step_share, bounds[:-1], bounds[1:]))
+        list(self._pool.map(lambda share: share.launch(), self._shares))
 
-    def _step_share(self, first: int, end: int) -> None:
+    def _record(self) -> list[Any]:
+        """The kernel's launches for the shares of the threads, packed once: packing takes as long as 20 lanes fly."""
+        bounds = [self._groups * n // self.threads for n in range(self.threads + 1)]
         arguments = [self._model, self._state, self._action, self._terms, self._observation, self._flown]
-        inputs = [first, *arguments, self._trace, self._tracing]
-        wp.launch(step_lanes, dim=end - first, inputs=inputs, device=self.device)
+        return [
+            wp.launch(step_groups, end - first, [first, *arguments, self._trace, self._tracing],
+                      device=self.device, record_cmd=True)
+            for first, end in itertools.pairwise(bounds)
+        ]  # fmt: skip
+
+    def _lanes(self, array: Any) -> NDArray:
+        """A kernel array `[groups, ..., WIDTH]` with lanes first `[L, ...]` (a copy)."""
+        values = self._host(array)
+        if values.ndim == 2:
+            return values.reshape(-1)[: self.lanes].copy()
+        values = np.moveaxis(values, -1, 1)
+        return values.reshape(-1, *values.shape[2:])[: self.lanes].copy()
+
+    def _host(self, array: Any) -> NDArray:
+        """The values of a kernel array: on the CPU the array itself, looked up once; else a copy."""
+        if self.device != "cpu":
+            return array.numpy()
+        if array.ptr not in self._views:
+            self._views[array.ptr] = array.numpy()
+        return self._views[array.ptr]
+
+    def _write(self, name: str, values: NDArray) -> None:
+        array = getattr(self._state, name)
+        grouped = np.moveaxis(array.numpy(), -1, 1).copy()
+        flat = grouped.reshape(-1, *grouped.shape[2:])
+        flat[: len(values)] = values
+        array.assign(np.moveaxis(grouped, 1, -1))
 
     def _number(self, count: int) -> NDArray[np.int64]:
         first, self._next_episode = self._next_episode, self._next_episode + count

@@ -154,18 +154,11 @@ def load(world: World, work: Work, draw: int) -> None:
     generator = np.random.default_rng(draw)
     # Each part of the pool gives its share, so that few lanes are not all drawn from one phase.
     chosen = ((np.arange(world.lanes) + generator.random()) * size / world.lanes).astype(int) % size
-    for name, values in work.pool.items():
-        getattr(world._state, name).assign(values[chosen])
+    world.restore({name: values[chosen] for name, values in work.pool.items()})
     world.step(np.zeros(world.lanes))
     over = world.outcome != Outcome.FLYING
     if over.any():
         world.reset(lanes=over)
-
-
-def _state(world: World) -> dict[str, NDArray]:
-    shared = ("available",)  # the same for all lanes
-    names = [name for name in vars(world._state) if not name.startswith("_") and name not in shared]
-    return {name: getattr(world._state, name).numpy().copy() for name in names}
 
 
 def _dragging(engagements: int = 48, every: int = 16) -> Work:
@@ -175,7 +168,7 @@ def _dragging(engagements: int = 48, every: int = 16) -> Work:
     observation, parts = world.observation, []
     while (flying := world.outcome == Outcome.FLYING).any():
         if world.steps.max() % every == 0:
-            parts.append({name: values[flying] for name, values in _state(world).items()})
+            parts.append({name: values[flying] for name, values in world.state().items()})
         observation = world.step(act(observation)).observation
     pool = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return Work("dragging expert, target task, whole engagements (policy included)", task, act, pool, steps=10)
@@ -195,7 +188,7 @@ def _four_flying(engagements: int = 64) -> Work:
             turns[lanes] = np.random.default_rng(0).uniform(-0.5, 0.5, (lanes, 1)).astype(np.float32)
         return turns[lanes]
 
-    return Work("four missiles in flight throughout", task, act, _state(world), FOUR_FLYING_STEPS)
+    return Work("four missiles in flight throughout", task, act, world.state(), FOUR_FLYING_STEPS)
 
 
 def four_missiles(scenario: Scenario) -> Scenario:

@@ -17,8 +17,19 @@ INTERCEPTOR_X, INTERCEPTOR_Y, INTERCEPTOR_ALTITUDE, INTERCEPTOR_HEADING, INTERCE
 
 
 def test_one_row_per_episode_and_one_range_factor_per_missile() -> None:
-    assert STATES.shape == (2000, 14)
-    assert initial_states(changed(launch={"missiles": 2}), 5, EPISODES[:3]).shape == (3, 12)
+    assert STATES.shape == (2000, 34)
+    assert initial_states(changed(launch={"missiles": 2}), 5, EPISODES[:3]).shape == (3, 22)
+
+
+def test_nothing_but_the_launch_range_varies_until_a_scenario_says_so() -> None:
+    assert (STATES[:, 14:] == 1.0).all()
+    varied = initial_states(changed(variation={"interval_spread": 0.5, "lag_spread": 0.25}), 5, EPISODES)
+    np.testing.assert_array_equal(varied[:, :14], STATES[:, :14])
+    np.testing.assert_array_equal(varied[:, 18:30], 1.0)
+    for block, spread in ((slice(14, 18), 0.5), (slice(30, 34), 0.25)):
+        assert abs(varied[:, block] - 1.0).max() <= spread + 1e-6
+        assert varied[:, block].std() == pytest.approx(spread / math.sqrt(3), rel=0.05)
+    assert abs(np.corrcoef(varied[:, [*range(18), *range(30, 34)]].T) - np.eye(22)).max() < 5 / math.sqrt(2000)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +59,7 @@ def test_columns_fill_their_interval_evenly(column: int, low: float, high: float
 
 
 def test_columns_are_drawn_independently() -> None:
-    correlation = np.corrcoef(STATES.T)
+    correlation = np.corrcoef(STATES[:, :14].T)
     np.fill_diagonal(correlation, 0.0)
     # Five standard deviations of a correlation over 2000 draws.
     assert abs(correlation).max() < 5 / math.sqrt(2000)

@@ -6,8 +6,8 @@ import dataclasses
 
 import warp as wp
 
-from sim.kernel import Model, State
-from sim.physics import Aircraft, AircraftModel, Missile, MissileModel
+from sim.kernel.lane import AircraftRows, IntRow, MissileRows, Model, Row, State
+from sim.kernel.physics import AircraftModel, MissileModel
 from sim.scenario import Scenario
 from sim.task import Task
 
@@ -42,20 +42,17 @@ def _parameters(model: AircraftModel | MissileModel, section: object) -> Aircraf
     return model
 
 
-def kernel_state(task: Task, lanes: int, device: str) -> State:
-    """Zeroed arrays for `lanes` engagements of a task on a Warp device."""
+def kernel_state(task: Task, groups: int, device: str) -> State:
+    """Zeroed arrays for some groups of lanes of a task on a Warp device."""
     missiles = task.scenario.launch.missiles
     state = State()
-    state.aircraft = wp.zeros((lanes, 2), dtype=Aircraft, device=device)
-    state.altitude = wp.zeros((lanes, 2), dtype=float, device=device)
-    state.speed = wp.zeros((lanes, 2), dtype=float, device=device)
-    state.missile = wp.zeros((lanes, missiles), dtype=Missile, device=device)
-    state.fate = wp.zeros((lanes, missiles), dtype=int, device=device)
-    state.closest = wp.zeros((lanes, missiles), dtype=float, device=device)
-    state.range_factor = wp.zeros((lanes, missiles), dtype=float, device=device)
+    state.aircraft = wp.zeros((groups, 2), dtype=AircraftRows, device=device)
+    state.missile = wp.zeros((groups, missiles), dtype=MissileRows, device=device)
+    state.fate = wp.zeros((groups, missiles), dtype=IntRow, device=device)
     available = [int(m in task.missiles) for m in range(1, missiles + 1)]
     state.available = wp.array(available, dtype=int, device=device)
-    state.since_launch = wp.zeros(lanes, dtype=float, device=device)
-    for name in ("steps", "outside", "outcome", "killer"):
-        setattr(state, name, wp.zeros(lanes, dtype=int, device=device))
+    for name in ("waiting", "steps", "outside", "outcome", "killer"):
+        setattr(state, name, wp.zeros(groups, dtype=IntRow, device=device))
+    for name in ("patience", "reach", "since_launch"):
+        setattr(state, name, wp.zeros(groups, dtype=Row, device=device))
     return state

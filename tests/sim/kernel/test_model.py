@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sim.device import start_warp
-from sim.model import kernel_model, kernel_state
+from sim.kernel.model import kernel_model, kernel_state
 from sim.scenario_file import SECTIONS
 from sim.world import World
 from tests.engagements import DRILL, MASKS, changed, circle, drag, fly_lanes, task, to_exit
@@ -75,13 +75,13 @@ def mixed(observation: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("masked", MASKS, ids=str)
 def test_masked_missiles_are_not_available(masked: frozenset[int]) -> None:
     start_warp()
-    available = kernel_state(task(*masked), 3, "cpu").available.numpy()
+    available = kernel_state(task(*masked), 1, "cpu").available.numpy()
     assert [bool(a) for a in available] == [m not in masked for m in (1, 2, 3, 4)]
 
 
-def test_the_state_has_one_row_per_lane() -> None:
+def test_the_state_has_one_row_per_group_of_lanes() -> None:
     start_warp()
     state = kernel_state(task(), 5, "cpu")
     assert state.aircraft.shape == (5, 2)
-    assert state.fate.shape == state.closest.shape == (5, 4)
+    assert state.fate.shape == state.missile.shape == (5, 4)
     assert state.steps.shape == (5,)
