@@ -1,7 +1,7 @@
 """The lattice of tasks: every mask, by number of missiles left, with the chain of Algorithm 3 (Fig. 5).
 
-Up to four missiles every task has its name and all links are drawn. Beyond that (64 tasks for six, 256 for eight) the
-chain stands above blocks of dots, and links are drawn for the chain and for the task that is selected.
+Up to four missiles all tasks are large and all links are drawn. Beyond that (64 tasks for six, 256 for eight) the chain
+stands above blocks of small nodes, and links are drawn for the chain and for the task that is selected.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Lattice:
     nodes: ColumnDataSource
     links: ColumnDataSource
     tag: ColumnDataSource
-    """The name of the selected task where it is only a dot: one row or none."""
+    """The name of the selected task where nodes are too small for names: one row or none."""
     plan: Plan
     chain: tuple[Mask, ...]
 
@@ -80,7 +80,7 @@ def lattice_figure(
     fig.segment("x0", "y0", "x1", "y1", source=links, color="ink", line_width="width", alpha="alpha")
     nodes = ColumnDataSource(_nodes(layout, chain, success or {}) | _marks(layout, chain, selected))
     tag = ColumnDataSource(_tag(layout, chain, selected))
-    _draw_nodes(fig, nodes)
+    _draw_nodes(fig, nodes, layout)
     fig.text(
         "x", "y", text="text", source=tag, text_color="#ffffff", text_font_size="12px", text_font_style="bold",
         y_offset=-22, text_align="center", text_baseline="middle", level="overlay",
@@ -93,33 +93,33 @@ def _nodes(layout: Plan, chain: Sequence[Mask], success: Mapping[Mask, float]) -
     """What does not change: place, size, mask, names, and how each node is filled."""
     masks, every = list(layout.places), max(layout.places, key=len)
     kept = [sorted(every - mask) for mask in masks]
-    named = [layout.roomy or mask in chain for mask in masks]
-    short = [_short(numbers) if show else "" for numbers, show in zip(kept, named, strict=True)]
     return {
         "x": [layout.places[m][0] for m in masks],
         "y": [layout.places[m][1] for m in masks],
-        "size": [layout.sizes[m] for m in masks],
+        "width": [layout.sizes[m][0] for m in masks],
+        "height": [layout.sizes[m][1] for m in masks],
         "mask": [mask_text(m) for m in masks],
-        "name": short if not layout.roomy else ["".join(map(str, numbers)) or "–" for numbers in kept],
+        "name": [_name(numbers, layout, m in chain) for m, numbers in zip(masks, kept, strict=True)],
+        "font": ["13px" if layout.roomy or m in chain else "10px" for m in masks],
         "caption": [f"{success[m]:.1%}" if m in success else "" for m in masks],
         "task": [_task_text(numbers, len(every)) for numbers in kept],
         "fill": [POLICY_A if m in chain else NEUTRAL for m in masks],
         "fill_alpha": [0.9 if m in chain else 0.16 for m in masks],
-        "ink": ["#ffffff" if m in chain else NEUTRAL for m in masks],
     }
 
 
 def _marks(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Columns:
-    """What follows the selection: the rings."""
+    """What follows the selection: rings and the colours of names."""
     masks = list(layout.places)
     return {
         "ring": [SUCCESS if m == selected else (POLICY_A if m in chain else NEUTRAL) for m in masks],
-        "ring_width": [5.0 if m == selected else 1.5 for m in masks],
+        "ring_width": [5.0 if m == selected and layout.roomy else (3.5 if m == selected else 1.5) for m in masks],
+        "ink": ["#ffffff" if m in chain else (SUCCESS if m == selected else NEUTRAL) for m in masks],
     }
 
 
 def _tag(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Columns:
-    if layout.roomy or selected is None or selected in chain:
+    if layout.named or selected is None or selected in chain:
         return {"x": [], "y": [], "text": []}
     x, y = layout.places[selected]
     return {"x": [x], "y": [y], "text": [" ".join(map(str, sorted(max(layout.places, key=len) - selected)))]}
@@ -141,7 +141,7 @@ def _links(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Column
         "y1": [layout.places[harder][1] for _, harder in near],
         "ink": [POLICY_A if link in bold else inks for link in near],
         "width": [4.0 if link in bold else (1.0 if layout.roomy else 1.6) for link in near],
-        "alpha": [0.9 if link in bold else (0.3 if layout.roomy else 0.75) for link in near],
+        "alpha": [0.9 if link in bold else (0.3 if layout.roomy else 0.6) for link in near],
     }
 
 
@@ -154,9 +154,11 @@ def _steps_from(easier: Mask) -> list[tuple[Mask, Mask]]:
     return [(easier, easier - {missile}) for missile in sorted(easier)]
 
 
-def _short(numbers: Sequence[int]) -> str:
-    """Missiles 1 … n in a node of the chain."""
-    return "–" if not numbers else ("1" if len(numbers) == 1 else f"1–{len(numbers)}")
+def _name(numbers: Sequence[int], layout: Plan, linked: bool) -> str:
+    """The missiles left, as a node has room for them; 1 … n in the chain of a large lattice."""
+    if not layout.roomy and linked and len(numbers) > 1:
+        return f"1–{len(numbers)}"
+    return ("".join(map(str, numbers)) or "–") if layout.named or linked else ""
 
 
 def _task_text(numbers: Sequence[int], missiles: int) -> str:
@@ -167,14 +169,17 @@ def _task_text(numbers: Sequence[int], missiles: int) -> str:
     return ("missile " if len(numbers) == 1 else "missiles ") + ", ".join(map(str, numbers))
 
 
-def _draw_nodes(fig: figure, source: ColumnDataSource) -> None:
-    nodes = fig.scatter(
-        "x", "y", source=source, size="size", fill_color="fill", fill_alpha="fill_alpha", line_color="ring",
-        line_width="ring_width", nonselection_alpha=1.0, hover_line_color=SUCCESS, hover_fill_alpha=1.0,
+def _draw_nodes(fig: figure, source: ColumnDataSource, layout: Plan) -> None:
+    nodes = fig.rect(
+        "x", "y", source=source, width="width", height="height", width_units="screen", height_units="screen",
+        border_radius=23 if layout.roomy else (7 if layout.named else 4), fill_color="fill", fill_alpha="fill_alpha",
+        line_color="ring", line_width="ring_width", nonselection_alpha=1.0, hover_line_color=SUCCESS,
+        hover_fill_alpha=1.0,
     )  # fmt: skip
     nodes.nonselection_glyph = None
     nodes.selection_glyph = None
+    offset = -33 if layout.roomy else -24
     common = {"source": source, "text_align": "center", "text_baseline": "middle", "level": "overlay"}
-    fig.text("x", "y", text="name", text_color="ink", text_font_size="13px", text_font_style="bold", **common)
-    fig.text("x", "y", text="caption", text_color=NEUTRAL, text_font_size="11px", y_offset=-33, **common)
+    fig.text("x", "y", text="name", text_color="ink", text_font_size="font", text_font_style="bold", **common)
+    fig.text("x", "y", text="caption", text_color=NEUTRAL, text_font_size="11px", y_offset=offset, **common)
     fig.add_tools(TapTool(renderers=[nodes]), HoverTool(renderers=[nodes], tooltips=[("", "@task"), ("mask", "@mask")]))

@@ -1,4 +1,4 @@
-"""Where the lattice draws each task: all of them with names while they are few, else the chain above blocks of dots."""
+"""Where the lattice draws each task: round nodes while they are few, else the chain above blocks of small ones."""
 
 from __future__ import annotations
 
@@ -9,18 +9,38 @@ from itertools import combinations
 
 Mask = frozenset[int]
 Place = tuple[float, float]
+Size = tuple[float, float]
 
 ROOMY_UP_TO = 4
-"""Missiles up to which every task has room for its name: 16 tasks."""
-NODE_SIZE = 46
-"""Diameter of a task with a name [px]."""
-CHAIN_Y = 0.45
-BLOCK_Y = -0.16
-"""Height of the chain, and of the middle of the blocks below it, when there is no room for names."""
-COLUMNS = 4
-GAP_X = 0.21
-ASPECT = 2.1
-"""Width over height of a figure of its usual size, in units of the vertical axis: dots are as far apart both ways."""
+"""Missiles up to which every task is a round node with all its links: 16 tasks."""
+NAMED_UP_TO = 6
+"""Missiles up to which every task has its name written on it: 64 tasks."""
+ROUND: Size = (46.0, 46.0)
+CHAIN: Size = (46.0, 26.0)
+"""Width and height of nodes [px]."""
+CHAIN_Y, BLOCK_Y = 0.5, -0.1
+"""Height of the chain, and of the middle of the blocks below it, where nodes are not round."""
+PLOT: Size = (580.0, 1.0 / 1.24 * 372.0)
+"""Width of all levels, and height of one unit, of the smallest figure in which nothing may touch [px]."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """Small nodes of a block: size and distance of their centres [px], and how many stand side by side."""
+
+    size: Size
+    pitch: Size
+    columns: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Places of all tasks (x: missiles left, y: -0.62 to 0.62) and sizes [px] by mask."""
+
+    roomy: bool
+    named: bool
+    places: dict[Mask, Place]
+    sizes: dict[Mask, Size]
 
 
 def masks_by_level(missiles: int) -> list[list[Mask]]:
@@ -36,29 +56,25 @@ def nested_chain(missiles: int) -> list[Mask]:
     return [frozenset(range(count + 1, missiles + 1)) for count in range(missiles + 1)]
 
 
-@dataclass(frozen=True)
-class Plan:
-    """Places of all tasks (x: missiles left, y: -0.62 to 0.62) and diameters [px] by mask."""
-
-    roomy: bool
-    places: dict[Mask, Place]
-    sizes: dict[Mask, float]
-
-
 def plan(missiles: int, chain: Sequence[Mask]) -> Plan:
     """How to draw the 2^n tasks of n missiles."""
     levels = masks_by_level(missiles)
     if missiles <= ROOMY_UP_TO:
         places = {mask: place for level, masks in enumerate(levels) for mask, place in _column(level, masks)}
-        return Plan(True, places, dict.fromkeys(places, float(NODE_SIZE)))
-    places, sizes = {}, {}
-    dot = 14.0 if missiles <= 6 else 11.5
+        return Plan(True, True, places, dict.fromkeys(places, ROUND))
+    places, sizes, style = {}, {}, _style(missiles)
     for level, masks in enumerate(levels):
         others = [mask for mask in masks if mask not in chain]
-        named = [mask for mask in masks if mask in chain]
-        places |= {mask: (float(level), CHAIN_Y) for mask in named} | dict(_block(level, others, missiles))
-        sizes |= dict.fromkeys(named, float(NODE_SIZE)) | dict.fromkeys(others, dot)
-    return Plan(False, places, sizes)
+        linked = [mask for mask in masks if mask in chain]
+        places |= {mask: (float(level), CHAIN_Y) for mask in linked} | dict(_block(level, others, missiles, style))
+        sizes |= dict.fromkeys(linked, CHAIN) | dict.fromkeys(others, style.size)
+    return Plan(False, missiles <= NAMED_UP_TO, places, sizes)
+
+
+def _style(missiles: int) -> Style:
+    if missiles <= NAMED_UP_TO:
+        return Style((35.0, 20.0), (38.0, 25.0), 2)
+    return Style((14.0, 14.0), (18.0, 19.0), 4) if missiles == 7 else Style((12.0, 12.0), (15.5, 16.2), 4)
 
 
 def _column(level: int, masks: Sequence[Mask]) -> Iterator[tuple[Mask, Place]]:
@@ -68,12 +84,11 @@ def _column(level: int, masks: Sequence[Mask]) -> Iterator[tuple[Mask, Place]]:
         yield mask, (float(level), top - gap * row)
 
 
-def _block(level: int, masks: Sequence[Mask], missiles: int) -> Iterator[tuple[Mask, Place]]:
-    """Tasks of one level in rows of at most `COLUMNS`."""
-    columns = min(COLUMNS, max(1, math.ceil(math.sqrt(len(masks)))))
+def _block(level: int, masks: Sequence[Mask], missiles: int, style: Style) -> Iterator[tuple[Mask, Place]]:
+    """Tasks of one level in rows below the chain; the last row may be shorter."""
+    columns = min(style.columns, max(1, math.ceil(math.sqrt(len(masks)))))
     rows = math.ceil(len(masks) / columns)
-    gap_y = GAP_X * ASPECT / (missiles + 1.2)
+    across, up = style.pitch[0] * (missiles + 1.2) / PLOT[0], style.pitch[1] / PLOT[1]
     for number, mask in enumerate(masks):
         row, column = divmod(number, columns)
-        x = level + GAP_X * (column - (columns - 1) / 2)
-        yield mask, (x, BLOCK_Y + gap_y * ((rows - 1) / 2 - row))
+        yield mask, (level + across * (column - (columns - 1) / 2), BLOCK_Y + up * ((rows - 1) / 2 - row))

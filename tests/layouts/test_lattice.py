@@ -22,14 +22,15 @@ def test_every_task_stands_once_above_its_number_of_missiles(missiles: int) -> N
     assert len({*zip(nodes["x"], nodes["y"], strict=True)}) == 2**missiles
 
 
-@pytest.mark.parametrize("missiles", range(5, 9))
-def test_dots_do_not_touch_in_the_narrowest_panel(missiles: int) -> None:
+@pytest.mark.parametrize("missiles", range(4, 9))
+def test_nodes_do_not_touch_in_the_narrowest_panel(missiles: int) -> None:
     nodes = lattice_figure(missiles, height=430).nodes.data
-    across, up = 560 / (missiles + 1.2), 370 / 1.24
-    places = [(x * across, y * up, size / 2) for x, y, size in zip(nodes["x"], nodes["y"], nodes["size"], strict=True)]
-    for (x, y, r), (u, v, s) in combinations(places, 2):
-        assert (x - u) ** 2 + (y - v) ** 2 > (r + s) ** 2
-    assert max(abs(y) + r for _x, y, r in places) < 0.62 * up
+    across, up = 580 / (missiles + 1.2), 372 / 1.24
+    columns = (nodes[name] for name in ("x", "y", "width", "height"))
+    boxes = [(x * across, y * up, width, height) for x, y, width, height in zip(*columns, strict=True)]
+    for (x, y, width, height), (u, v, wide, high) in combinations(boxes, 2):
+        assert abs(x - u) > (width + wide) / 2 or abs(y - v) > (height + high) / 2
+    assert max(abs(y) + height / 2 for _x, y, _width, height in boxes) < 0.62 * up
 
 
 def test_the_chain_unmasks_one_missile_at_a_time() -> None:
@@ -43,6 +44,9 @@ def test_nodes_say_what_the_task_is() -> None:
     nodes = lattice_figure(4).nodes.data
     assert nodes["task"][list(nodes["mask"]).index("")] == "target task"
     assert nodes["name"][list(nodes["mask"]).index("1,3")] == "24"
+    six = lattice_figure(6).nodes.data
+    names = dict(zip(six["mask"], six["name"], strict=True))
+    assert (names["1,3"], names["5,6"], names["1,2,3,4,5,6"]) == ("2456", "1–4", "–")
 
 
 def test_four_missiles_show_all_links_and_more_only_those_that_matter() -> None:
@@ -59,13 +63,13 @@ def _ringed(lattice: Lattice) -> list[str]:
     return [mask for mask, width in rows if width > 2]
 
 
-@pytest.mark.parametrize("missiles", [4, 6])
+@pytest.mark.parametrize("missiles", [4, 6, 7])
 def test_the_selected_task_has_a_ring_and_a_name(missiles: int) -> None:
     lattice = lattice_figure(missiles, selected=frozenset({2}))
     assert _ringed(lattice) == ["2"]
     lattice.select(frozenset({1, 3}))
     assert _ringed(lattice) == ["1,3"]
-    assert lattice.tag.data["text"] == ([] if missiles == 4 else ["2 4 5 6"])
+    assert lattice.tag.data["text"] == (["2 4 5 6 7"] if missiles == 7 else [])
     lattice.select(frozenset())
     assert lattice.tag.data["text"] == []
 

@@ -30,6 +30,11 @@ from workbench.policies import policy_choices
 from workbench.scenarios import scenario_choices
 
 COLOURS = {"A": POLICY_A, "B": POLICY_B}
+SLIM = {
+    "py": 0, "alignItems": "center", "& p": {"margin": 0}, "& .MuiAlertTitle-root:empty": {"display": "none"},
+    "& .MuiAlert-message": {"padding": "6px 0"},
+}  # fmt: skip
+"""A notice of one line, so that the replay stays in view."""
 
 
 def page(context: AppContext) -> pn.viewable.Viewable:
@@ -57,7 +62,7 @@ class FlyPage:
 
     def _make_views(self) -> None:
         self._alert, self._note = (
-            pmui.Alert(object="", severity=severity, visible=False, margin=0, sizing_mode="stretch_width")
+            pmui.Alert(object="", severity=severity, visible=False, margin=0, sizing_mode="stretch_width", sx=SLIM)
             for severity in ("warning", "info")
         )
         self._offer = pmui.Button(label="", icon="visibility_off", variant="outlined", visible=False, margin=0)
