@@ -71,7 +71,7 @@ def flight_figure(flight: Trajectory) -> Figure:
     draw_speed(speed, flight)
     draw_reward(reward, flight)
     _share_time((azimuth, distance), window_s, "time [s], while missiles fly", flight)
-    _share_time((speed, reward), (0.0, flight.duration_s * 1.01), "time [s], the whole flight", flight)
+    _share_time((speed, reward), whole_s(flight), "time [s], the whole flight", flight)
     for axes in (place, azimuth, distance, speed, reward):
         _plain(axes)
     _legend(figure, flight)
@@ -82,9 +82,14 @@ def engagement_s(flight: Trajectory) -> tuple[float, float]:
     """From shortly before the first launch to shortly after the last missile's end; the whole flight without any."""
     flown = [m for m in flight.missiles if math.isfinite(m.launch_s)]
     if not flown:
-        return 0.0, flight.duration_s
+        return whole_s(flight)
     ends = [m.end_s if math.isfinite(m.end_s) else flight.duration_s for m in flown]
     return max(min(m.launch_s for m in flown) - LEAD_S, 0.0), max(ends) + LEAD_S
+
+
+def whole_s(flight: Trajectory) -> tuple[float, float]:
+    """The whole flight and a little room behind its last instant, or a second of one that ended at once."""
+    return 0.0, max(1.01 * flight.duration_s, 1.0)
 
 
 def _title(figure: Figure, flight: Trajectory) -> None:

@@ -77,5 +77,5 @@ def frame_index(flight: Trajectory) -> NDArray[np.intp]:
     ends = [index for track in tracks if len(track) for index in (track[0], track[-1])]
     # In the substep of a kill, missiles that were due after the killer have not moved any more: a kink in their path.
     last = len(flight.time_s) - 1
-    told = np.array([*ends, *event_lines(flight), last - 1, last], dtype=np.intp)
+    told = np.array([*ends, *event_lines(flight), max(last - 1, 0), last], dtype=np.intp)
     return np.union1d(spread, told)

@@ -61,6 +61,8 @@ def flown(track: BodyTrack | MissileTrack) -> NDArray[np.intp]:
 
 def vertical_g(track: BodyTrack, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
     """Load factor `[T]` [g] of a coordinated turn: what is felt across the path; 1 in straight and level flight."""
+    if len(time_s) < 2:
+        return np.ones(len(time_s))
     level = np.cos(track.pitch_rad)
     unit = np.stack([level * np.cos(track.heading_rad), level * np.sin(track.heading_rad), np.sin(track.pitch_rad)], 1)
     felt = np.gradient(unit * track.speed_m_s[:, None], time_s, axis=0)
@@ -125,12 +127,12 @@ def _locked(flight: Trajectory, frames: NDArray[np.intp]) -> NDArray[np.float64]
 def _lines(
     ident: str, statics: Sequence[str], frames: NDArray[np.intp], track: BodyTrack | MissileTrack, texts: Texts
 ) -> Iterable[tuple[int, str]]:
-    """(frame, line): static properties on the first line, others when they have changed."""
+    """(frame, line): static properties on the first line, others when they are a number and have changed."""
     bank = track.bank_rad[frames] if isinstance(track, BodyTrack) else None
     places = transforms(track.position_m[frames], track.heading_rad[frames], track.pitch_rad[frames], bank)
     written: dict[str, str] = {}
     for row, (frame, place) in enumerate(zip(frames.tolist(), places, strict=True)):
-        changed = {name: values[row] for name, values in texts.items() if written.get(name) != values[row]}
+        changed = {name: values[row] for name, values in texts.items() if values[row] not in ("nan", written.get(name))}
         written |= changed
         first = statics if row == 0 else ()
         yield frame, ",".join([ident, f"T={place}", *first, *(f"{name}={text}" for name, text in changed.items())])

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import xml.etree.ElementTree as ElementTree
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +19,12 @@ from rerun.chunk import RrdReader
 from layouts.captions import caption
 from sim.errors import SubMasError, UsageError
 from sim.task import Task
-from sim.trajectory import Trajectory
+from sim.trajectory import BodyTrack, Trajectory
 from sim.world import Outcome
 from tests.engagements import changed
 from tests.workbench.flights import ending, unhindered
 from workbench import cli, exports
+from workbench.acmi_check import check_acmi
 from workbench.exports import FORMATS, ExportError, check_target, encode, export, suffix_of
 from workbench.flight_table import table
 
@@ -34,6 +35,15 @@ def written(flight: Trajectory, folder: Path, suffix: str) -> Path:
     path = folder / f"flight{suffix}"
     export(flight, path)
     return path
+
+
+def void(flight: Trajectory) -> Trajectory:
+    """Only the first instant and the first decision of a flight."""
+    tracks = [flight.evader, flight.interceptor]
+    first = [BodyTrack(**{f.name: getattr(track, f.name)[:1] for f in fields(track)}) for track in tracks]
+    names = ("time_s", "step_time_s", "action_rad", "reward_terms", "observation")
+    arrays = {name: getattr(flight, name)[:1] for name in names}
+    return replace(flight, evader=first[0], interceptor=first[1], missiles=(), events=(), **arrays)
 
 
 @pytest.mark.parametrize("name", ["flight.xyz", "flight", "flight.zip", "flight.acmi.zip", ".csv", ".zip.acmi"])
@@ -210,6 +220,15 @@ def test_no_name_of_a_policy_spoils_a_file(suffix: str) -> None:
 def test_eight_missiles_fit_into_every_format(suffix: str) -> None:
     flight = ending(Outcome.EXIT, Task(changed(launch={"missiles": 8, "interval_s": 6.0})))
     assert encode(flight, suffix)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_flight_that_is_void_at_once_is_a_file_all_the_same(suffix: str) -> None:
+    flight = void(ending(Outcome.TIMEOUT))
+    data = encode(flight, suffix)
+    if suffix == ".acmi":
+        assert check_acmi(data.decode()) == []
+        assert data.count(b"#") == 1
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
