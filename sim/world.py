@@ -225,6 +225,14 @@ class World:
         vectors = {name: rows[..., 3 * c : 3 * c + 3] for c, name in enumerate(("position", "velocity", "lateral"))}
         return {**vectors, "age": rows[..., 9], "closest": rows[..., 10]}
 
+    @property
+    def bytes(self) -> int:
+        """Memory of all arrays of this world [bytes]."""
+        arrays = [
+            value for owner in (self, self._state) for value in vars(owner).values() if hasattr(value, "capacity")
+        ]
+        return sum(array.capacity for array in arrays)
+
     def state(self) -> dict[str, NDArray]:
         """Everything that changes during an episode, by array name with a leading axis of lanes; see `restore`."""
         names = [name for name in vars(self._state) if not name.startswith("_") and name not in SHARED]

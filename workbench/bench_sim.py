@@ -1,13 +1,12 @@
 """How many environment steps a second the simulator makes here, and the NumPy reference at the same work.
 
 Both start from the same states, taken from all phases of whole engagements, and take turns, so that whatever else the
-machine does slows both. The kernel flies with one Python thread or several; the reference always with one.
+machine does slows both. The kernel shares the lanes among threads; the reference has one.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from agents.expert import DraggingExpert
 from agents.policy import Act, bind
+from sim.errors import UsageError
 from sim.reference import ReferenceWorld
 from sim.scenario import Scenario
 from sim.scenario_file import load_scenario
@@ -62,18 +62,23 @@ def bench_sim(
     threads: Sequence[int] = THREADS,
     rounds: int = ROUNDS,
     seconds: tuple[float, float] = (KERNEL_S, REFERENCE_S),
+    device: str = "",
     progress: Progress | None = None,
 ) -> list[SimCase]:
-    """Measure every work with every number of lanes, of threads, and on every device.
+    """Measure every work with every number of lanes and of threads.
 
     Args:
         lanes: engagements stepped together.
-        threads: Python threads on the CPU, each with a world of its own and its share of the lanes.
+        threads: threads that share the lanes on the CPU; more than there are groups of lanes are left out.
         rounds: kernel and reference take turns this often; each rate is the median.
         seconds: shortest time measured per round, of the kernel and of the reference.
+        device: `cpu` or a graphics card such as `cuda:0`; empty for the CPU and all cards.
         progress: told how many cases of how many are done.
+
+    Raises:
+        UsageError: there is no such device.
     """
-    devices = ["cpu", *_graphics_cards()]
+    devices = chosen_devices(device)
     works = [_dragging(), _four_flying()]
     plan = [(work, count) for work in works for count in lanes]
     cases: list[SimCase] = []
@@ -84,42 +89,44 @@ def bench_sim(
     return cases
 
 
+def chosen_devices(device: str) -> list[str]:
+    """The device asked for, or the CPU and every graphics card.
+
+    Raises:
+        UsageError: there is no such device; names those there are.
+    """
+    there = ["cpu", *_graphics_cards()]
+    if device and device not in there:
+        raise UsageError(f"there is no device '{device}'; here are {', '.join(there)}")
+    return [device] if device else there
+
+
 def _measure(
     work: Work, lanes: int, threads: Sequence[int], devices: list[str], rounds: int, seconds: tuple[float, float]
 ) -> list[SimCase]:
-    kinds = [("cpu", n) for n in threads if lanes % n == 0] + [(device, 1) for device in devices if device != "cpu"]
-    worlds = {kind: [World(work.task, lanes // kind[1], device=kind[0]) for _ in range(kind[1])] for kind in kinds}
-    rates: dict[tuple[str, int] | None, list[float]] = {kind: [] for kind in (*kinds, None)}
+    worlds = {}
+    for device in devices:
+        for count in threads if device == "cpu" else (1,):
+            world = World(work.task, lanes, device=device, threads=count)
+            worlds[device, world.threads] = world
+    rates: dict[tuple[str, int] | None, list[float]] = {kind: [] for kind in (*worlds, None)}
     for turn in range(rounds + 1):  # the first only warms up
-        for kind in kinds:
-            rates[kind].append(_rate(work, worlds[kind], turn, seconds[0]))
-        first = worlds[kinds[0]][0] if kinds[0][1] == 1 else World(work.task, lanes)
-        rates[None].append(_reference_rate(work, first, turn, seconds[1] if turn else 0.0))
+        for kind, world in worlds.items():
+            rates[kind].append(_rate(work, world, turn, seconds[0]))
+        rates[None].append(_reference_rate(work, next(iter(worlds.values())), turn, seconds[1] if turn else 0.0))
     medians = {kind: float(np.median(found[1:])) for kind, found in rates.items()}
-    return [SimCase(work.name, lanes, n, device, medians[device, n], medians[None]) for device, n in kinds]
+    return [SimCase(work.name, lanes, n, device, medians[device, n], medians[None]) for device, n in worlds]
 
 
-def _rate(work: Work, worlds: list[World], turn: int, seconds: float) -> float:
-    """Environment steps per second of worlds that fly at the same time, a thread each."""
+def _rate(work: Work, world: World, turn: int, seconds: float) -> float:
+    """Environment steps per second of a world, the policy's time included."""
     steps, spent_s, fresh = 0, 0.0, turn
     while spent_s < seconds or not steps:
-        for number, world in enumerate(worlds):
-            load(world, work, fresh * len(worlds) + number)
+        load(world, work, fresh)
         fresh += 1
-        made = [0] * len(worlds)
-
-        def go(number: int, made: list[int] = made) -> None:
-            made[number] = _fly(worlds[number], work.act, work.steps)
-
-        others = [threading.Thread(target=go, args=(number,)) for number in range(1, len(worlds))]
         began = time.perf_counter()
-        for thread in others:
-            thread.start()
-        go(0)
-        for thread in others:
-            thread.join()
+        steps += _fly(world, work.act, work.steps)
         spent_s += time.perf_counter() - began
-        steps += sum(made)
     return steps / spent_s
 
 

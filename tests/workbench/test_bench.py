@@ -15,7 +15,8 @@ from sim.reference import ReferenceWorld
 from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Fate, World
-from workbench import bench_learner, bench_page, bench_sim
+from workbench import bench_growth, bench_learner, bench_page, bench_sim
+from workbench.bench_growth import Growth, GrowthCase
 from workbench.bench_page import BenchError, PageBench
 from workbench.bench_sim import SimCase
 from workbench.cli import main
@@ -38,7 +39,7 @@ def _restore_torch() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def sim_cases() -> list[SimCase]:
     heard: list[tuple[int, int]] = []
-    cases = bench_sim.bench_sim((1, 4), (1, 2), rounds=1, seconds=(0.0, 0.0), progress=lambda *told: heard.append(told))
+    cases = bench_sim.bench_sim((1, 32), (1, 2), rounds=1, seconds=(0.0, 0.0), progress=lambda *t: heard.append(t))
     assert heard == [(n, 4) for n in (1, 2, 3, 4)]
     return cases
 
@@ -46,7 +47,7 @@ def sim_cases() -> list[SimCase]:
 def test_the_simulator_is_measured_in_every_promised_way(sim_cases: list[SimCase]) -> None:
     assert {field.name for field in dataclasses.fields(SimCase)} == SIM_KEYS
     on_cpu = [case for case in sim_cases if case.device == "cpu"]
-    assert sorted({(case.lanes, case.threads) for case in on_cpu}) == [(1, 1), (4, 1), (4, 2)]
+    assert sorted((case.lanes, case.threads) for case in on_cpu) == [(1, 1)] * 2 + [(32, 1)] * 2 + [(32, 2)] * 2
     assert len({case.work for case in sim_cases}) == 2
     assert all(case.env_steps_per_s > 0 and case.reference_env_steps_per_s > 0 for case in sim_cases)
 
@@ -89,13 +90,34 @@ def test_the_learner_is_measured_beside_its_twin_and_another_library(capsys: pyt
 def test_json_is_one_object_and_alone_on_standard_output(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], sim_cases: list[SimCase]
 ) -> None:
-    monkeypatch.setattr(bench_sim, "bench_sim", lambda progress: sim_cases)
+    monkeypatch.setattr(bench_sim, "bench_sim", lambda device, progress: sim_cases)
+    monkeypatch.setattr(
+        bench_growth, "bench_growth", lambda device: Growth([GrowthCase(1, 0, 20, "cpu", 9.0)], 1e3, 50.0)
+    )
     assert main(["bench", "sim", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     assert len(said["cases"]) == len(sim_cases)
     assert all(set(case) == SIM_KEYS for case in said["cases"])
     assert main(["bench", "sim"]) == 0
-    assert "NumPy reference" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "NumPy reference" in shown
+    assert "1,000 bytes a lane" in shown
+
+
+def test_growth_counts_lanes_missiles_and_substeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_growth, "MANY", 32)
+    monkeypatch.setattr(bench_growth, "LANES", (1, 32))
+    measured = bench_growth.bench_growth(repeats=1)
+    assert {case.missiles_flying for case in measured.growth} == {0, 1, 2, 4, 8}
+    assert {case.substeps for case in measured.growth} == {5, 10, 20, 40}
+    assert all(case.step_us > 0.0 for case in measured.growth)
+    # Two aircraft of 15 numbers and four missiles of 21, and what is read out of them.
+    assert 500 < measured.memory_bytes_per_lane < 2000
+
+
+def test_a_device_that_is_not_there_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "sim", "--device", "cuda:99"]) == 2
+    assert "there is no device 'cuda:99'; here are cpu" in capsys.readouterr().err
 
 
 def test_pages_keep_the_promised_names_and_the_unbuilt_one_is_null(

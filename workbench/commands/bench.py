@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, Literal
 
 import tyro
@@ -16,6 +17,8 @@ class Args:
 
     what: Annotated[tyro.conf.Positional[Literal["sim", "learner", "page"]], tyro.conf.arg(metavar="WHAT")]
     """what to measure: sim (env-steps a second), learner (gradient steps a second), page (seconds to be there)."""
+    device: str = ""
+    """sim only: cpu or a graphics card such as cuda:0; empty for all there are."""
     json: bool = False
     """Print one JSON object."""
 
@@ -25,9 +28,11 @@ def run(args: Args) -> int:
     from workbench.progress import bar
     from workbench.terminal import print_json
 
-    measure, show = {"sim": (_sim, _show_sim), "learner": (_learner, _show_learner), "page": (_page, _show_page)}[
-        args.what
-    ]
+    measure, show = {
+        "sim": (partial(_sim, args.device), _show_sim),
+        "learner": (_learner, _show_learner),
+        "page": (_page, _show_page),
+    }[args.what]
     load = os.getloadavg()[0]
     with bar(f"measuring: {args.what}") as progress:
         figures = measure(progress)
@@ -39,10 +44,12 @@ def run(args: Args) -> int:
     return 0
 
 
-def _sim(progress: Any) -> dict[str, Any]:
+def _sim(device: str, progress: Any) -> dict[str, Any]:
+    from workbench.bench_growth import bench_growth
     from workbench.bench_sim import bench_sim
 
-    return {"cases": [dataclasses.asdict(case) for case in bench_sim(progress=progress)]}
+    cases = [dataclasses.asdict(case) for case in bench_sim(device=device, progress=progress)]
+    return {"cases": cases, **dataclasses.asdict(bench_growth(device or "cpu"))}
 
 
 def _show_sim(figures: dict[str, Any]) -> None:
@@ -54,6 +61,15 @@ def _show_sim(figures: dict[str, Any]) -> None:
         for c in figures["cases"]
     ]  # fmt: skip
     print_table(("work", "lanes", "threads", "device", "env-steps/s", "NumPy reference", "ratio"), rows)
+    print()
+    growth = [
+        (f"{c['lanes']}", f"{c['missiles_flying']}", f"{c['substeps']}", f"{c['step_us']:,.0f} µs",
+         f"{1e3 * c['step_us'] / c['lanes']:,.0f} ns")
+        for c in figures["growth"]
+    ]  # fmt: skip
+    print_table(("lanes", "missiles flying", "substeps", "one step", "per lane"), growth)
+    print(f"\nmemory: {figures['memory_bytes_per_lane']:,.0f} bytes a lane")
+    print(f"one step of gymnasium.Env: {figures['gymnasium_step_us']:.0f} µs")
 
 
 def _learner(progress: Any) -> dict[str, Any]:
