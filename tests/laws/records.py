@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from agents.expert import DraggingExpert
 from sim.reference import ReferenceWorld
+from sim.scenario import Variation
 from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Fate, Outcome, World
@@ -23,9 +24,16 @@ ALL_ROUND = {"heading_spread_rad": np.pi, "altitude_spread_m": 3e3, "speed_sprea
 HALFWAY = {"evader_x_low_m": -40e3, "evader_x_high_m": 0.0, "interceptor_x_low_m": 20e3, "interceptor_x_high_m": 60e3}
 SCENARIOS = {
     "default": changed(load_scenario(), start=HALFWAY | ALL_ROUND | {"y_spread_m": 20e3}),
-    "drill": changed(DRILL, start=ALL_ROUND | {"evader_x_high_m": 10e3}),
+    "drill": changed(
+        DRILL,
+        start=ALL_ROUND | {"evader_x_high_m": 10e3},
+        variation={spread.name: 0.1 for spread in dataclasses.fields(Variation)},
+    ),
 }
-"""Worlds as they are, but both aircraft begin anywhere, at any heading, and near enough to be fired at soon."""
+"""Worlds as they are, but both aircraft begin anywhere, at any heading, and near enough to be fired at soon.
+
+In the drill, no shot is like another.
+"""
 
 
 @dataclass

@@ -28,10 +28,8 @@ DRAGS = np.arange(LANES) % 3 == 2
 SUBSTEPS = 1
 """How far apart the times of an event may be."""
 REWARD = 1e-3
-HARD_M = 0.5
-"""Distance after a minute: evaders in hard manoeuvre, and missiles."""
-STRAIGHT_M = 1.5
-"""The same on straight legs (interceptors, dragging evaders), where float32 rounds every substep alike: up to 2 mm."""
+POSITION_M = 0.5
+"""Distance after a minute, of anything."""
 BORDERLINES = 2
 """Engagements in 256 that may differ, if the reference itself cannot decide them."""
 NUDGE_M = 0.5
@@ -76,11 +74,9 @@ def apart(kernel: Record, reference: Record) -> tuple[NDArray, NDArray]:
     return np.linalg.norm(kernel.aircraft_m - reference.aircraft_m, axis=-1), np.where(together, missiles, np.nan)
 
 
-def agrees(kernel: Record, reference: Record, drags: NDArray[np.bool_]) -> bool:
+def agrees(kernel: Record, reference: Record) -> bool:
     """The law, for engagements without borderlines."""
-    aircraft, missiles = apart(kernel, reference)
-    hard, straight = aircraft[~drags, 0], np.append(aircraft[:, 1], aircraft[drags, 0])
-    near = [np.nanmax(hard) < HARD_M, np.nanmax(straight) < STRAIGHT_M, not (missiles >= HARD_M).any()]
+    near = [not (distances >= POSITION_M).any() for distances in apart(kernel, reference)]
     return all(near) and not disagreements(kernel, reference)
 
 
@@ -96,15 +92,20 @@ def test_fates_are_the_same_and_events_at_most_a_substep_apart(name: str) -> Non
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_a_minute_of_hard_manoeuvre_ends_within_half_a_metre(name: str) -> None:
     aircraft, missiles = apart(*flown(name)[1:])
-    assert np.nanmax(aircraft[~DRAGS, 0]) < HARD_M
-    assert np.nanmax(missiles) < HARD_M
-    assert np.nanmax(aircraft) < STRAIGHT_M
+    assert np.nanmax(aircraft) < POSITION_M
+    assert np.nanmax(missiles) < POSITION_M
+    assert np.isfinite(aircraft).sum() > 250
     assert np.isfinite(missiles).sum() > 200
 
 
 def test_these_engagements_have_everything_that_can_happen() -> None:
     records = [flown(name)[1] for name in SCENARIOS]
-    assert {*np.concatenate([record.outcome for record in records])} == {*Outcome} - {Outcome.TIMEOUT}
+    assert {*np.concatenate([record.outcome for record in records])} == {
+        Outcome.FLYING,
+        Outcome.EXIT,
+        Outcome.SHOT_DOWN,
+        Outcome.LEFT_FIELD,
+    }
     assert sum((record.launched != NEVER).sum() for record in records) > 1000
     for fate in (Fate.EVADED, Fate.HIT):
         assert sum((record.fate == fate).sum() for record in records) > 100
@@ -118,7 +119,7 @@ DULL = {
 """Factors on numbers of which a fiftieth more would rarely change a flight."""
 WRONG = [
     (section, field.name)
-    for section in ("battlefield", "evader", "interceptor", "launch", "missile", "rules", "reward")
+    for section in ("battlefield", "evader", "interceptor", "launch", "missile", "variation", "rules", "reward")
     for field in dataclasses.fields(getattr(SCENARIOS["drill"], section))
     if field.name != "missiles"
 ]
@@ -129,7 +130,7 @@ def flown_again(scenario: Scenario) -> bool:
     turns, kernel, reference = flown("drill")
     lanes = np.union1d(np.arange(80), np.flatnonzero(kernel.outcome == Outcome.EXIT))
     again = fly_kernel(Task(scenario), turns[:, lanes], SEED, episodes=lanes)
-    return agrees(again, reference.lanes(lanes), DRAGS[lanes])
+    return agrees(again, reference.lanes(lanes))
 
 
 def test_the_right_numbers_agree() -> None:

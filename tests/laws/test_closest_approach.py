@@ -1,4 +1,4 @@
-"""Law: a kill does not depend on the substep: halving it moves no pass that the fuse could see by a tenth of a metre."""
+"""Law: halving the substep moves no pass that the fuse could see by a tenth of a metre, and decides no kill."""
 
 from __future__ import annotations
 

@@ -41,7 +41,8 @@ def test_evading_all_four_and_loitering_earns_exactly_80() -> None:
 def test_loitering_without_missiles_costs_a_tenth_per_second(name: str) -> None:
     scenario = load_scenario(name)
     quiet = dataclasses.replace(scenario, start=dataclasses.replace(scenario.start, y_spread_m=0.0))
-    lanes = fly_lanes(World(task(1, 2, 3, 4, scenario=quiet), 2), circle)
+    every = range(1, scenario.launch.missiles + 1)
+    lanes = fly_lanes(World(task(*every, scenario=quiet), 2), circle)
     assert (lanes.outcome == Outcome.TIMEOUT).all()
     np.testing.assert_allclose(lanes.terms.sum(axis=(0, 2), dtype=np.float64), -120.0, atol=1e-4)
 
