@@ -31,5 +31,5 @@ def ending(outcome: Outcome, flown: Task | None = None) -> Trajectory:
 
 
 def unhindered() -> Trajectory:
-    """To the exit with every missile masked."""
-    return fly(task(1, 2, 3, 4), to_exit, "to the exit", 3)
+    """To the exit with every missile masked; flown anew at every call, recorded every second."""
+    return fly(task(1, 2, 3, 4), to_exit, "to the exit", 3, record_every=20)

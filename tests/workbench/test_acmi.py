@@ -167,7 +167,7 @@ def test_the_lock_is_there_while_the_evader_is_in_the_radar(launch: dict[str, fl
     flight = unhindered()
     flight = replace(flight, task=replace(flight.task, scenario=changed(launch=launch)))
     hunter, modes = read(flight, tmp_path).objects["b1"], set()
-    for index in range(0, len(flight.time_s), 200):
+    for index in range(0, len(flight.time_s), 10):
         offset = flight.evader.position_m[index] - flight.interceptor.position_m[index]
         heading = float(flight.interceptor.heading_rad[index])
         ahead = offset[0] * math.cos(heading) + offset[1] * math.sin(heading)

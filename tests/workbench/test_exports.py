@@ -216,7 +216,7 @@ def test_no_name_of_a_policy_spoils_a_file(suffix: str) -> None:
     assert encode(replace(unhindered(), policy="x\udcff\x00$\\frac{a,b|c\n<&" + "n" * 500), suffix)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".rrd"])
 def test_eight_missiles_fit_into_every_format(suffix: str) -> None:
     flight = ending(Outcome.EXIT, Task(changed(launch={"missiles": 8, "interval_s": 6.0})))
     assert encode(flight, suffix)
