@@ -8,7 +8,18 @@ import numpy as np
 from bokeh.models import FixedTicker, Range1d
 from numpy.typing import NDArray
 
-from layouts.chart import Columns, FlightChart, Marks, add_csv, add_lines, chart, dotted, empty, thin_index
+from layouts.chart import (
+    Columns,
+    FlightChart,
+    Marks,
+    add_csv,
+    add_lines,
+    chart,
+    dotted,
+    empty,
+    missile_label,
+    thin_index,
+)
 from layouts.theme import missile_colour
 from sim.trajectory import MissileTrack, Trajectory
 from sim.world import Fate
@@ -57,7 +68,9 @@ def azimuth_chart(missiles: Sequence[int], height: int = 240, x_range: Range1d |
     fig = chart("azimuth [deg]", height, x_range, y_range)
     fig.yaxis.ticker = FixedTicker(ticks=[-180, -90, 0, 90, 180])
     dotted(fig, -90.0, 90.0)
-    add_lines(fig, source, "time_s", [(f"missile_{m}_deg", f"missile {m}", missile_colour(m)) for m in missiles])
+    add_lines(
+        fig, source, "time_s", [(f"missile_{m}_deg", missile_label(m, missiles), missile_colour(m)) for m in missiles]
+    )
     fig.scatter(
         "end_time_s", "end_azimuth_deg", marker="end_marker", color="end_colour", source=ends, size=9, line_width=2,
         fill_alpha=0.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,15 @@ EXAGGERATION = 4.0
 """Altitudes are drawn this many times higher than they are, or a flight over 200 km would look flat."""
 
 GRID_KM = 20.0
+GATE_KM = 9.0
 GATE_RUNGS = 7
+USUAL_KM = (220.0, 76.0)
+"""The battlefield for which bodies and gate have their sizes."""
+
+
+def drawing_scale(field: Battlefield) -> float:
+    """Factor on the size of bodies and gate: as large in the picture of any battlefield; 1 for the usual one."""
+    return math.hypot(field.length_m, field.width_m) * KM / math.hypot(*USUAL_KM)
 
 
 def add_battlefield(server: viser.ViserServer, name: str, field: Battlefield, look: Ground, offset_km: NDArray) -> None:
@@ -41,7 +50,7 @@ def add_battlefield(server: viser.ViserServer, name: str, field: Battlefield, lo
     draw_lines(server, f"{name}/grid", np.array(lines), look.grid, 1.0, offset_km)
     draw_lines(server, f"{name}/border", segments(corners[[0, 1, 2, 3, 0]]), look.border, 2.0, offset_km)
     low, high = ((field.exit_y_m + side * field.exit_half_width_m) * KM for side in (-1, 1))
-    top = 9.0 * EXAGGERATION
+    top = GATE_KM * EXAGGERATION * drawing_scale(field)
     rungs = [((half[0], low, z), (half[0], high, z)) for z in np.linspace(0.0, top, GATE_RUNGS)]
     posts = [((half[0], y, 0.0), (half[0], y, top)) for y in (low, high)]
     draw_lines(server, f"{name}/gate", np.array(rungs + posts), scene_ink(GATE, look), 2.5, offset_km)

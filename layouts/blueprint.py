@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from layouts.azimuth import azimuth_columns
-from layouts.battlefield import EXAGGERATION
+from layouts.battlefield import EXAGGERATION, GATE_KM, drawing_scale
 from layouts.chart import Columns
 from layouts.map2d import named_tracks
 from layouts.motion import KM, motion
@@ -44,17 +44,21 @@ def log_flight(recording: rr.RecordingStream, prefix: str, flight: Trajectory, c
     _log_events(recording, f"{prefix}/events", flight)
 
 
-def compare_blueprint(titles: Mapping[str, str], duration_s: float) -> rrb.Blueprint:
+def compare_blueprint(titles: Mapping[str, str], duration_s: float, scale: float = 1.0) -> rrb.Blueprint:
     """One column per prefix: the engagement above, its azimuth and range curves below; panels hidden, paused.
 
     Args:
         titles: words for each prefix, left to right.
         duration_s: length of the longest flight, which the curves show [s].
+        scale: size of the battlefield relative to the usual one (`layouts.battlefield.drawing_scale`).
     """
     span = _whole(duration_s)
     columns = [
         rrb.Vertical(
-            _space_view(prefix, title), _azimuth_view(prefix, span), _range_view(prefix, span), row_shares=[3, 1.4, 1.4]
+            _space_view(prefix, title, scale),
+            _azimuth_view(prefix, span),
+            _range_view(prefix, span),
+            row_shares=[3, 1.4, 1.4],
         )
         for prefix, title in titles.items()
     ]
@@ -67,11 +71,11 @@ def compare_blueprint(titles: Mapping[str, str], duration_s: float) -> rrb.Bluep
     return rrb.Blueprint(rrb.Horizontal(*columns), clock, *hidden, auto_views=False)
 
 
-def _space_view(prefix: str, title: str) -> rrb.Spatial3DView:
+def _space_view(prefix: str, title: str, scale: float) -> rrb.Spatial3DView:
     eye = rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
-        position=(-20.0, -140.0, 112.0),
-        look_target=(0.0, -8.0, 8.0),
+        position=(-20.0 * scale, -140.0 * scale, 112.0 * scale),
+        look_target=(0.0, -8.0 * scale, 8.0 * scale),
         eye_up=(0, 0, 1),
     )
     grid = rrb.LineGrid3D(visible=False)
@@ -111,7 +115,7 @@ def _log_field(recording: rr.RecordingStream, path: str, field: Battlefield) -> 
         f"{path}/border", rr.LineStrips3D([border], colors=[DARK.border], radii=rr.Radius.ui_points(1.0)), static=True
     )
     low, high = ((field.exit_y_m + side * field.exit_half_width_m) * KM for side in (-1, 1))
-    top = 9.0 * EXAGGERATION
+    top = GATE_KM * EXAGGERATION * drawing_scale(field)
     gate = [(x, low, 0.0), (x, high, 0.0), (x, high, top), (x, low, top), (x, low, 0.0)]
     ink = rr.LineStrips3D([gate], colors=[rgb(GATE)], radii=rr.Radius.ui_points(2.0))
     recording.log(f"{path}/exit", ink, static=True)

@@ -138,6 +138,11 @@ def add_lines(fig: figure, source: ColumnDataSource, x: str, lines: Sequence[tup
     add_legend(fig, entries)
 
 
+def missile_label(number: int, missiles: Sequence[int]) -> str:
+    """How a missile is called in a legend: shorter where more than four have to stand in one row."""
+    return f"missile {number}" if len(missiles) <= 4 else f"m{number}"
+
+
 def add_legend(fig: figure, entries: Sequence[tuple[str, list[Any]]]) -> None:
     """One row of legend entries above the plot; a click hides what an entry names."""
     legend = Legend(items=list(entries), orientation="horizontal", click_policy="hide", padding=0, margin=2)

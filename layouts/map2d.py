@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.models import Range1d
 from bokeh.plotting import figure
 
-from layouts.chart import Columns, FlightChart, Marks, add_csv, add_legend, empty, plain, thin_index
+from layouts.chart import Columns, FlightChart, Marks, add_csv, add_legend, empty, missile_label, plain, thin_index
 from layouts.theme import GATE, INTERCEPTOR, NEUTRAL, POLICY_A, ink_dash, missile_colour
 from sim.scenario import Battlefield
 from sim.trajectory import BodyTrack, MissileTrack, Trajectory
@@ -56,7 +56,8 @@ def map_chart(
             f"{name}_x_km", f"{name}_y_km", source=source, color=colour, line_width=2.2, line_dash=ink_dash(colour),
             name=f"{name}_x_km",
         )  # fmt: skip
-        entries.append((name.replace("_", " "), [line]))
+        label = missile_label(int(name[8:]), missiles) if name.startswith("missile_") else name
+        entries.append((label, [line]))
     add_legend(fig, entries)
     marks = empty(MARK_COLUMNS)
     fig.scatter(

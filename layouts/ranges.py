@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from bokeh.models import Range1d
 
-from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, thin_index
+from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, missile_label, thin_index
 from layouts.theme import INTERCEPTOR, missile_colour
 from sim.trajectory import Trajectory
 
@@ -28,7 +28,7 @@ def range_chart(
 ) -> FlightChart:
     """Ranges [km] over time [s]."""
     lines = [("interceptor_km", "interceptor", INTERCEPTOR)]
-    lines += [(f"missile_{m}_km", f"missile {m}", missile_colour(m)) for m in missiles]
+    lines += [(f"missile_{m}_km", missile_label(m, missiles), missile_colour(m)) for m in missiles]
     source = empty(["time_s", *(line[0] for line in lines)])
     fig = chart("range [km]", height, x_range, y_range)
     add_lines(fig, source, "time_s", lines)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from bokeh.models import Range1d
 
-from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, thin_index
+from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, missile_label, thin_index
 from layouts.theme import NEUTRAL, missile_colour
 from sim.trajectory import Trajectory
 
@@ -34,7 +34,7 @@ def reward_chart(
 ) -> FlightChart:
     """Cumulative reward terms and their total, the episode return, over time [s]."""
     lines = [("total", "return", NEUTRAL), ("goal", "goal", GOAL_INK), ("time", "time", TIME_INK)]
-    lines += [(f"missile_{m}", f"missile {m}", missile_colour(m)) for m in missiles]
+    lines += [(f"missile_{m}", missile_label(m, missiles), missile_colour(m)) for m in missiles]
     source = empty(["time_s", *(line[0] for line in lines)])
     fig = chart("cumulative reward", height, x_range, y_range)
     add_lines(fig, source, "time_s", lines)

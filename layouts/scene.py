@@ -10,7 +10,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from layouts.battlefield import EXAGGERATION, add_battlefield, draw_lines
+from layouts.battlefield import EXAGGERATION, add_battlefield, draw_lines, drawing_scale
 from layouts.meshes import Mesh, aircraft, missile
 from layouts.motion import KM, Motion, motion, segments
 from layouts.theme import (
@@ -123,7 +123,7 @@ def build_scene(
 def _add_flight(
     server: viser.ViserServer, name: str, flight: Trajectory, colour: str, look: Ground, offset_km: NDArray
 ) -> tuple[list[Body], list[Mark]]:
-    end_s = float(flight.time_s[-1])
+    end_s, scale = float(flight.time_s[-1]), drawing_scale(flight.task.scenario.battlefield)
     shot = flight.outcome == Outcome.SHOT_DOWN
     parts = [("evader", flight.evader, colour, aircraft(), AIRCRAFT_KM, end_s if shot else np.inf)]
     parts.append(("interceptor", flight.interceptor, INTERCEPTOR, aircraft(), AIRCRAFT_KM, np.inf))
@@ -135,17 +135,18 @@ def _add_flight(
         path = motion(track, flight.time_s, EXAGGERATION, offset_km)
         if path.flies:
             bodies.append(
-                _add_body(server, f"{name}/{part}", path, mesh, size, scene_ink(ink, look), look, float(gone))
+                _add_body(server, f"{name}/{part}", path, mesh, size * scale, scene_ink(ink, look), look, float(gone))
             )
     for track in flight.missiles:
         if track.fate in (Fate.EVADED, Fate.HIT):
             path = motion(track, flight.time_s, EXAGGERATION, offset_km)
             hit = track.fate == Fate.HIT
             ink = BURST if hit else scene_ink(missile_colour(track.number), look)
-            marks.append(_add_mark(server, f"{name}/end_{track.number}", path, ink, 4.0 if hit else 1.1, track.end_s))
+            size = (4.0 if hit else 1.1) * scale
+            marks.append(_add_mark(server, f"{name}/end_{track.number}", path, ink, size, track.end_s))
     if shot:
         path = motion(flight.evader, flight.time_s, EXAGGERATION, offset_km)
-        marks.append(_add_mark(server, f"{name}/shot_down", path, rgb(FAILURE), 2.4, end_s))
+        marks.append(_add_mark(server, f"{name}/shot_down", path, rgb(FAILURE), 2.4 * scale, end_s))
     return bodies, marks
 
 

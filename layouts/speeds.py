@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from bokeh.models import Range1d
 
-from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, thin_index
+from layouts.chart import Columns, FlightChart, add_csv, add_lines, chart, empty, missile_label, thin_index
 from layouts.theme import INTERCEPTOR, POLICY_A, missile_colour
 from sim.trajectory import Trajectory
 
@@ -32,7 +32,7 @@ def speed_chart(
 ) -> FlightChart:  # fmt: skip
     """Speeds [m/s] over time [s]."""
     lines = [("evader_m_s", "evader", evader_colour), ("interceptor_m_s", "interceptor", INTERCEPTOR)]
-    lines += [(f"missile_{m}_m_s", f"missile {m}", missile_colour(m)) for m in missiles]
+    lines += [(f"missile_{m}_m_s", missile_label(m, missiles), missile_colour(m)) for m in missiles]
     source = empty(["time_s", *(line[0] for line in lines)])
     fig = chart("speed [m/s]", height, x_range, y_range)
     add_lines(fig, source, "time_s", lines)

@@ -67,14 +67,16 @@ def write_recording(path: Path, flights: Mapping[str, Trajectory]) -> None:
     """
     import rerun as rr
 
+    from layouts.battlefield import drawing_scale
     from layouts.blueprint import APPLICATION, compare_blueprint, log_flight
 
     with path.open("wb"):  # Rerun only warns when it cannot write
         pass
     titles = dict(zip(PREFIXES, flights, strict=False))
     longest_s = max(flight.duration_s for flight in flights.values())
+    scale = max(drawing_scale(flight.task.scenario.battlefield) for flight in flights.values())
     recording = rr.RecordingStream(APPLICATION, recording_id=_digest(flights))
-    recording.save(path, default_blueprint=compare_blueprint(titles, longest_s))
+    recording.save(path, default_blueprint=compare_blueprint(titles, longest_s, scale))
     for number, (prefix, title) in enumerate(titles.items()):
         log_flight(recording, prefix, flights[title], evader_colour(number))
     recording.flush()

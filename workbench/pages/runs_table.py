@@ -31,8 +31,8 @@ COLUMNS = {
 }
 """Columns of the table and their titles; every cell is data, never markup (Tabulator's default)."""
 WIDTHS = {
-    "state": 125, "training": 225, "name": 130, "variant": 90, "profile": 90, "seed": 75, "success": 110,
-    "progress": 110, "started": 165, "minutes": 100, "run": 205,
+    "state": 120, "training": 250, "name": 115, "variant": 85, "profile": 85, "seed": 70, "success": 105,
+    "progress": 95, "started": 160, "minutes": 90, "run": 205,
 }  # fmt: skip
 SIGNS = {"queued": "…", "running": "▶", "stopped": "■", "finished": "✓", "failed": "✗", "interrupted": "✗"}
 """Signs before a state, so that it is seen without reading."""
@@ -77,7 +77,7 @@ def _training(config: TrainingConfig) -> str:
     """What is learned, and on which scenario where that is not the default one."""
     last = config.missiles
     stage = "Stage: missile 1" if last == 1 else f"Stage: missiles 1–{last}"
-    what = "Whole curriculum" if config.curriculum else stage
+    what = "Curriculum" if config.curriculum else stage
     return " · ".join(filter(None, [what, other_scenario(config.scenario)]))
 
 

@@ -105,7 +105,7 @@ def test_live_and_runs_say_where_it_learns(app: AppContext) -> None:
     run = app.store.create(TrainingConfig(scenario=SIX, curriculum=True))
     run.write_state(RunState("stopped"))
     assert "scenario <b>six-missiles</b>" in LivePage(app)._html["head"].object
-    assert runs_frame(app.store.list())["training"][0] == "Whole curriculum · six-missiles"
+    assert runs_frame(app.store.list())["training"][0] == "Curriculum · six-missiles"
     assert stage_tasks(run.config) == ["source-5", "source-4", "source-3", "source-2", "source-1", "target"]
 
 
