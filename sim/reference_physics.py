@@ -151,9 +151,10 @@ def fly_missile(m: MissileState, model: Missile, target: Array, target_velocity:
     # The fins pull as hard as the air lets them.
     air_share = np.minimum(1.0, pressure / max(model.full_load_pressure_pa, 1.0))
     pull_max = model.load_factor_max * GRAVITY_M_S2 * air_share
-    wanted *= np.minimum(1.0, pull_max / np.maximum(length(wanted), 1e-6))[:, None]
+    wanted = at_most(wanted, pull_max)
     remains = np.exp(-dt / np.asarray(model.lag_s))[..., None]
-    lateral = across(wanted + (m.lateral - wanted) * remains, forward)
+    # And never harder, or a pull from faster days would tear a slow missile round by its induced drag.
+    lateral = at_most(across(wanted + (m.lateral - wanted) * remains, forward), pull_max)
     # The last substep of the motor gets its share of the thrust, so the impulse does not depend on the substep.
     burning = np.clip((model.burn_s - m.age) / dt, 0.0, 1.0)
     mass = model.mass_kg - model.propellant_kg * np.clip(m.age / max(model.burn_s, 1e-6), 0.0, 1.0)
@@ -183,6 +184,11 @@ def navigate(offset: Array, closing: Array, constant: ArrayLike) -> Array:
         * (closing * size - sight * dot(sight, closing)[:, None])
         / distance
     )
+
+
+def at_most(vector: Array, limit: Array) -> Array:
+    """Vectors `[n, 3]`, shortened to lengths `[n]` where they are longer."""
+    return vector * np.minimum(1.0, limit / np.maximum(length(vector), 1e-6))[:, None]
 
 
 def across(vector: Array, unit: Array) -> Array:

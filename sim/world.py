@@ -228,10 +228,8 @@ class World:
     @property
     def bytes(self) -> int:
         """Memory of all arrays of this world [bytes]."""
-        arrays = [
-            value for owner in (self, self._state) for value in vars(owner).values() if hasattr(value, "capacity")
-        ]
-        return sum(array.capacity for array in arrays)
+        values = [*vars(self).values(), *vars(self._state).values()]
+        return sum(value.capacity for value in values if isinstance(value, wp.array))
 
     def state(self) -> dict[str, NDArray]:
         """Everything that changes during an episode, by array name with a leading axis of lanes; see `restore`."""

@@ -1,4 +1,4 @@
-"""How a step of the simulator grows with lanes, missiles and substeps, what a lane weighs, and one step of Gymnasium."""
+"""How a step of the simulator grows with lanes, missiles and substeps; what a lane weighs; a step of Gymnasium."""
 
 from __future__ import annotations
 

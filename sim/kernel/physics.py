@@ -155,13 +155,22 @@ def proportional_navigation(offset: wp.vec3, closing: wp.vec3, constant: float) 
 
 
 @wp.func
+def at_most(vector: wp.vec3, limit: float) -> wp.vec3:
+    """A vector, shortened to a length where it is longer."""
+    return vector * wp.min(1.0, limit / wp.max(wp.length(vector), 1.0e-6))
+
+
+@wp.func
 def autopilot(s: Missile, m: MissileModel, shot: Shot, forward: wp.vec3, wanted: wp.vec3, pressure: float) -> wp.vec3:
-    """Lateral acceleration [m/s^2] after a substep: as much of the wanted one as the air allows, with a lag."""
-    across = wanted - wp.dot(wanted, forward) * forward
+    """Lateral acceleration [m/s^2] after a substep: the wanted one follows with a lag, never more than the air gives.
+
+    The limit holds before the lag, for the command, and after it: a pull from faster days would tear a slow missile
+    round by its induced drag.
+    """
     limit = m.load_factor_max * GRAVITY * wp.min(1.0, pressure / wp.max(m.full_load_pressure, 1.0))
-    across = across * wp.min(1.0, limit / wp.max(wp.length(across), 1.0e-6))
-    lateral = s.lateral + (across - s.lateral) * shot.response
-    return lateral - wp.dot(lateral, forward) * forward
+    command = at_most(wanted - wp.dot(wanted, forward) * forward, limit)
+    lateral = s.lateral + (command - s.lateral) * shot.response
+    return at_most(lateral - wp.dot(lateral, forward) * forward, limit)
 
 
 @wp.func

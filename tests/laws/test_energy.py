@@ -118,7 +118,6 @@ def test_a_missile_that_flies_by_other_numbers_than_the_ledgers_would_be_noticed
     assert missile_imbalances(drag, other, DRILL.missile).max() > WITHIN
 
 
-@pytest.mark.xfail(strict=True, reason="pulls of a missile that has become slow: its induced drag turns it round")
 def test_no_missile_gains_more_energy_than_its_motor_gives() -> None:
     # Fired at a target close by and far above, it is asked at once for more than slow air can give.
     draw = np.random.default_rng(0)
