@@ -79,7 +79,6 @@ def _parquet(flight: Trajectory) -> bytes:
 
 def _rrd(flight: Trajectory) -> bytes:
     from layouts.captions import caption
-
     from workbench.recordings import write_recording
 
     with tempfile.TemporaryDirectory() as folder:
