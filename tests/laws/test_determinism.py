@@ -1,4 +1,4 @@
-"""The same seed gives the same bits, whatever flies beside a lane and however often it is asked."""
+"""Law: the same seed gives the same bits, whatever flies beside a lane, in whatever order and on how many threads."""
 
 from __future__ import annotations
 
@@ -9,29 +9,33 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike, NDArray
 
 from sim.trajectory import fly
-from sim.world import World
-from tests.engagements import Flights, drag, fly_lanes, random_turns, task
+from sim.world import Step, World
+from tests.engagements import Flights, changed, drag, fly_lanes, random_turns, task
+from tests.laws.records import hard_turns
 
-LANES = 24
+LANES = 40
 TURNS = random_turns(200, LANES, seed=11)
 
 
-def together(episodes: np.ndarray, turns: np.ndarray, masked: tuple[int, ...] = ()) -> Flights:
+def together(episodes: NDArray, turns: NDArray, world: type[World] = World, threads: int = 1) -> Flights:
     """Episodes of seed 13 flown side by side with given turns `[K, L]`."""
-    world = World(task(*masked), len(episodes), seed=13)
-    world.reset(episodes=episodes)
-    return fly_lanes(world, turns, steps=len(turns))
+    lanes = world(task(), len(episodes), seed=13, threads=threads)
+    lanes.reset(episodes=episodes)
+    return fly_lanes(lanes, turns, steps=len(turns))
 
 
-def same(a: Flights, b: Flights, lanes_a: np.ndarray | slice, lanes_b: np.ndarray | slice) -> None:
-    """Bit for bit the same observations, rewards, ends and fates."""
-    np.testing.assert_array_equal(a.observation[:, lanes_a], b.observation[:, lanes_b])
-    np.testing.assert_array_equal(a.terms[:, lanes_a], b.terms[:, lanes_b])
-    np.testing.assert_array_equal(a.terminated[:, lanes_a], b.terminated[:, lanes_b])
-    np.testing.assert_array_equal(a.fates[:, lanes_a], b.fates[:, lanes_b])
-    np.testing.assert_array_equal(a.steps[lanes_a], b.steps[lanes_b])
+def equal(
+    a: Flights, b: Flights, lanes_a: NDArray | slice = slice(None), lanes_b: NDArray | slice = slice(None)
+) -> bool:
+    """Whether lanes have the same observations, rewards, ends and fates, bit for bit."""
+    along = ("observation", "terms", "terminated", "truncated", "fates")
+    same = [np.array_equal(getattr(a, name)[:, lanes_a], getattr(b, name)[:, lanes_b]) for name in along]
+    return all(same) and all(
+        np.array_equal(getattr(a, name)[lanes_a], getattr(b, name)[lanes_b]) for name in ("outcome", "killer", "steps")
+    )
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +44,7 @@ def batch() -> Flights:
 
 
 def test_the_same_seed_flies_the_same_bits(batch: Flights) -> None:
-    same(batch, together(np.arange(LANES), TURNS), slice(None), slice(None))
+    assert equal(batch, together(np.arange(LANES), TURNS))
 
 
 def test_another_seed_flies_something_else(batch: Flights) -> None:
@@ -50,23 +54,77 @@ def test_another_seed_flies_something_else(batch: Flights) -> None:
 
 def test_the_order_of_lanes_does_not_matter(batch: Flights) -> None:
     order = np.random.default_rng(5).permutation(LANES)
-    same(together(order, TURNS[:, order]), batch, slice(None), order)
+    assert equal(together(order, TURNS[:, order]), batch, slice(None), order)
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 7, 16])
+@pytest.mark.parametrize("lanes", [1, 2, 15, 16, 17, 33])
 def test_the_number_of_lanes_does_not_matter(batch: Flights, lanes: int) -> None:
-    same(together(np.arange(lanes), TURNS[:, :lanes]), batch, slice(None), slice(0, lanes))
+    assert equal(together(np.arange(lanes), TURNS[:, :lanes]), batch, slice(None), slice(0, lanes))
 
 
 def test_a_batch_is_its_lanes_flown_one_by_one(batch: Flights) -> None:
     for lane in range(LANES):
-        same(together(np.array([lane]), TURNS[:, [lane]]), batch, slice(None), slice(lane, lane + 1))
+        assert equal(together(np.array([lane]), TURNS[:, [lane]]), batch, slice(None), slice(lane, lane + 1))
+
+
+@pytest.mark.parametrize("threads", [2, 3, 8])
+def test_the_number_of_threads_does_not_matter(threads: int) -> None:
+    episodes, turns = np.arange(150), hard_turns(60, 150, seed=4)
+    assert equal(together(episodes, turns), together(episodes, turns, threads=threads))
 
 
 def test_twins_stay_twins() -> None:
-    flights = together(np.array([3, 3, 3]), np.repeat(TURNS[:, [3]], 3, axis=1))
-    same(flights, flights, slice(0, 1), slice(1, 2))
-    same(flights, flights, slice(0, 1), slice(2, 3))
+    flights = together(np.array([3] * 20), np.repeat(TURNS[:, [3]], 20, axis=1))
+    for lane in range(1, 20):
+        assert equal(flights, flights, slice(0, 1), slice(lane, lane + 1))
+
+
+def test_a_lane_that_is_reset_while_others_fly_disturbs_none(batch: Flights) -> None:
+    world = World(task(), LANES, seed=13)
+    seen = []
+    for k, turns in enumerate(TURNS):
+        if k % 7 == 3:
+            world.reset(lanes=[5, 21])
+        seen.append(world.step(turns).observation)
+    others = np.setdiff1d(np.arange(LANES), [5, 21])
+    np.testing.assert_array_equal(np.stack(seen)[:, others], batch.observation[1:, others])
+
+
+class Neighbourly(World):
+    """Steering in one lane is felt, a little, in the next."""
+
+    def step(self, actions: ArrayLike) -> Step:
+        turns = np.asarray(actions, dtype=np.float32)
+        return super().step(turns + 1e-6 * np.roll(turns, 1))
+
+
+class Forgetful(World):
+    """Every world flies a little differently from the one before."""
+
+    made = 0
+
+    def step(self, actions: ArrayLike) -> Step:
+        Forgetful.made += 1
+        return super().step(np.asarray(actions) + 1e-7 * Forgetful.made)
+
+
+def test_lanes_that_feel_one_another_would_be_noticed() -> None:
+    order = np.random.default_rng(5).permutation(LANES)
+    plain = together(np.arange(LANES), TURNS, Neighbourly)
+    assert not equal(together(order, TURNS[:, order], Neighbourly), plain, slice(None), order)
+    assert not equal(together(np.arange(17), TURNS[:, :17], Neighbourly), plain, slice(None), slice(0, 17))
+
+
+def test_a_world_that_remembers_would_be_noticed() -> None:
+    first, again = (together(np.arange(LANES), TURNS, Forgetful) for _ in range(2))
+    assert not equal(first, again)
+
+
+def test_one_bit_of_one_lane_would_be_noticed(batch: Flights) -> None:
+    other = together(np.arange(LANES), TURNS)
+    assert equal(batch, other)
+    other.observation[-1, 7, 0] = np.nextafter(other.observation[-1, 7, 0], np.float32(np.inf))
+    assert not equal(batch, other)
 
 
 def test_a_recorded_flight_is_the_same_every_time() -> None:
@@ -74,6 +132,15 @@ def test_a_recorded_flight_is_the_same_every_time() -> None:
     np.testing.assert_array_equal(first.evader.position_m, again.evader.position_m)
     np.testing.assert_array_equal(first.missiles[0].range_m, again.missiles[0].range_m)
     assert [str(event) for event in first.events] == [str(event) for event in again.events]
+
+
+def test_a_recorded_flight_is_the_lane_of_the_same_number() -> None:
+    lanes = World(task(scenario=changed(rules={"max_steps": 60})), 20, seed=2)
+    flights = fly_lanes(lanes, drag)
+    for episode in (0, 7, 19):
+        recorded = fly(lanes.task, drag, "drag", seed=2, episode=episode)
+        seen = flights.observation[: len(recorded.observation), episode]
+        np.testing.assert_array_equal(recorded.observation.astype(np.float32), seen)
 
 
 def test_another_process_flies_the_same_bits(batch: Flights) -> None:

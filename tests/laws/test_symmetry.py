@@ -1,20 +1,22 @@
-"""The world has no handedness: an engagement mirrored in y flies the mirrored engagement."""
+"""Law: the world has no handedness: an engagement mirrored in y flies the mirrored engagement, bit for bit."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-import sim.world
+from sim.observation import OWN_NAMES, UNLAUNCHED
 from sim.scenario import Scenario
 from sim.start import initial_states
-from sim.world import World
-from tests.engagements import Flights, drag, fly_lanes, random_turns, task, wrapped
+from sim.world import Outcome, Step, World
+from tests.engagements import Flights, Policy, changed, drag, fly_lanes, task
+from tests.laws.records import SCENARIOS, hard_turns
 
-LANES = 32
-ODD = ("y", "psi", "theta_AA", "theta_ATA", "phi_exit", "phi_1", "phi_2", "phi_3", "phi_4")
+LANES, STEPS, SEED = 48, 240, 6
+ODD = [OWN_NAMES.index(name) for name in ("y", "psi", "theta_AA", "theta_ATA", "phi_exit")]
 Y_AND_HEADING = [1, 3, 6, 8]
+TURNS = hard_turns(STEPS, LANES, SEED)
 
 
 def mirrored_states(scenario: Scenario, seed: int, episodes: NDArray) -> NDArray[np.float32]:
@@ -24,43 +26,60 @@ def mirrored_states(scenario: Scenario, seed: int, episodes: NDArray) -> NDArray
     return states
 
 
-def pair(monkeypatch: pytest.MonkeyPatch, turns: NDArray) -> tuple[Flights, Flights]:
-    """The same engagements, as drawn and mirrored."""
-    plain = fly_lanes(World(task(), LANES, seed=6), turns, steps=len(turns))
-    monkeypatch.setattr(sim.world, "initial_states", mirrored_states)
-    return plain, fly_lanes(World(task(), LANES, seed=6), -turns, steps=len(turns))
+def mirrored(observation: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Observations `[..., d]` as the mirror shows them; what does not fly looks the same in it."""
+    shown = observation.copy()
+    shown[..., ODD] *= -1.0
+    blocks = shown[..., len(OWN_NAMES) :].reshape(*shown.shape[:-1], -1, 2)
+    flying = blocks[..., 0] != UNLAUNCHED[0]
+    blocks[..., 1] = np.where(flying, -blocks[..., 1], blocks[..., 1])
+    return shown
 
 
-def test_mirrored_engagements_fly_mirrored(monkeypatch: pytest.MonkeyPatch) -> None:
-    turns = random_turns(300, LANES, seed=6)
-    plain, mirror = pair(monkeypatch, turns)
-    np.testing.assert_array_equal(plain.fates, mirror.fates)
-    np.testing.assert_array_equal(plain.terms, mirror.terms)
-    np.testing.assert_array_equal(plain.outcome, mirror.outcome)
-    for column, name in enumerate(task().layout.names):
-        a, b = plain.observation[..., column], mirror.observation[..., column]
-        if name in ODD:
-            default = name.startswith("phi_") and name != "phi_exit" and (plain.observation[..., column - 1] < 0.0)
-            shift = np.where(default, 0.0, a + b)
-            error = shift if name == "y" else wrapped(shift)
-        else:
-            error = a - b
-        # Metres of ranges over tens of kilometres, or radians: rounding of float32 grows along a flight.
-        assert abs(error).max() < (0.5 if name[0] in "xylr" else 5e-3), name
+def pair(world: type[World], scenario: Scenario, left: NDArray, right: NDArray) -> tuple[Flights, Flights]:
+    """The same engagements by turns `[K, L]`, as drawn and mirrored."""
+    worlds = [world(task(scenario=scenario), LANES, seed=SEED) for _ in range(2)]
+    worlds[1].reset(states=mirrored_states(scenario, SEED, np.arange(LANES)))
+    return fly_lanes(worlds[0], left, steps=len(left)), fly_lanes(worlds[1], right, steps=len(right))
 
 
-def test_a_world_that_leans_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    # The negative control: forget to mirror the turns.
-    turns = random_turns(300, LANES, seed=6)
-    plain = fly_lanes(World(task(), LANES, seed=6), turns, steps=300)
-    monkeypatch.setattr(sim.world, "initial_states", mirrored_states)
-    wrong = fly_lanes(World(task(), LANES, seed=6), turns, steps=300)
-    assert abs(plain.observation[..., 1] + wrong.observation[..., 1]).max() > 100.0
+def symmetric(plain: Flights, mirror: Flights) -> bool:
+    """The law."""
+    same = [np.array_equal(getattr(plain, name), getattr(mirror, name)) for name in ("fates", "terms", "outcome")]
+    return all(same) and np.array_equal(mirrored(plain.observation), mirror.observation)
 
 
-def test_a_policy_without_handedness_wins_as_often_mirrored(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Feedback amplifies rounding: single flights may part, their number may not.
-    plain = fly_lanes(World(task(), 96, seed=6), drag)
-    monkeypatch.setattr(sim.world, "initial_states", mirrored_states)
-    mirror = fly_lanes(World(task(), 96, seed=6), drag)
-    assert (plain.outcome == mirror.outcome).mean() > 0.95
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_mirrored_engagements_fly_mirrored(name: str) -> None:
+    plain, mirror = pair(World, SCENARIOS[name], TURNS, -TURNS)
+    assert symmetric(plain, mirror)
+    assert {Outcome.SHOT_DOWN, Outcome.LEFT_FIELD} <= set(plain.outcome.tolist())
+
+
+def test_turns_that_are_not_mirrored_would_be_noticed() -> None:
+    assert not symmetric(*pair(World, SCENARIOS["drill"], TURNS, TURNS))
+
+
+class LeaningWorld(World):
+    """Every turn goes a ten-thousandth of a radian further to the left."""
+
+    def step(self, actions: ArrayLike) -> Step:
+        return super().step(np.asarray(actions) + 1e-4)
+
+
+def test_a_world_that_leans_would_be_noticed() -> None:
+    assert not symmetric(*pair(LeaningWorld, SCENARIOS["drill"], TURNS, -TURNS))
+
+
+def test_an_exit_beside_the_middle_would_be_noticed() -> None:
+    aside = changed(SCENARIOS["drill"], battlefield={"exit_y_m": 1.0})
+    assert not symmetric(*pair(World, aside, TURNS, -TURNS))
+
+
+def test_a_policy_without_handedness_fares_the_same_mirrored() -> None:
+    # Closed loop: what it sees is mirrored exactly, so what it does is too.
+    act: Policy = drag
+    worlds = [World(task(), 96, seed=SEED) for _ in range(2)]
+    worlds[1].reset(states=mirrored_states(task().scenario, SEED, np.arange(96)))
+    plain, mirror = (fly_lanes(world, act) for world in worlds)
+    assert (plain.outcome == mirror.outcome).mean() > 0.98
