@@ -105,6 +105,6 @@ class _Record:
         outcome = world.outcome[lanes]
         self.flights.survived[index] = ~np.isin(outcome, (Outcome.SHOT_DOWN, Outcome.NOT_FINITE))
         self.flights.exited[index] = outcome == Outcome.EXIT
-        self.flights.closest_m[index] = world._state.closest.numpy()[lanes].min(axis=1)
+        self.flights.closest_m[index] = world.closest[lanes].min(axis=1)
         self.flights.time_s[index] = world.steps[lanes] * self._step_s
         self.done += len(index)
