@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from agents.calibration_target import LeftOut, Target, mean_interval
+from agents.calibration_bench import Bench
+from agents.calibration_table import Calibration, LeftOut, Target, mean_interval
 from agents.drag_rules import DragRule, LoiterExpert, edge_of, rule_family
-from agents.evaluation import EpisodeResults, evaluate, wilson_interval
+from agents.evaluation import wilson_interval
 from agents.expert import DraggingExpert, NavigationExpert, RandomPolicy
-from agents.policy import Policy
 from agents.task import BoolArray
 from sim.scenario import Scenario
 from sim.scenario_file import load_scenario
-from sim.task import Task
 from sim.world import Outcome
 
 SEED = 7
@@ -25,87 +23,8 @@ WINNABLE_STATES = 200
 FIXED_ANGLES_DEG = (90, 100, 110, 120, 130, 140, 150, 160, 170, 180)
 SUCCESSFUL_LENGTH_S = (850.0, 1000.0)
 """Inferred from the returns of Table 4: 400 + 4 x 50 - 0.1 per second."""
-
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True)
-class Calibration:
-    """The lines of the calibration tables for one scenario."""
-
-    scenario: str
-    episodes: int
-    seed: int
-    targets: tuple[Target, ...]
-    left_out: tuple[LeftOut, ...]
-
-    @property
-    def ok(self) -> bool:
-        """Whether every measured value is accepted."""
-        return all(target.ok for target in self.targets)
-
-    @property
-    def missed(self) -> bool:
-        """Whether a line is missed for sure, its whole interval outside of what is accepted."""
-        return any(target.verdict == "not ok" for target in self.targets)
-
-    @property
-    def shortfall(self) -> float:
-        """How far the values are from all targets, summed over the lines: 0 exactly when all are ok.
-
-        A share counts with the points it lies outside, 0.01 each; other values in the scale of their line.
-        """
-        return sum(target.shortfall for target in self.targets)
-
-    @property
-    def doubt(self) -> float:
-        """How far the 95 % intervals reach out of what is accepted, summed over the lines."""
-        return sum(target.doubt for target in self.targets)
-
-    def to_json(self) -> dict[str, Any]:
-        """The tables as plain JSON values."""
-        lines = {"targets": [t.to_json() for t in self.targets], "left_out": [line.to_json() for line in self.left_out]}
-        return {"scenario": self.scenario, "episodes": self.episodes, "seed": self.seed,
-                "shortfall": self.shortfall, **lines}  # fmt: skip
-
-
-class Bench:
-    """Flies policies on the tasks of a scenario, from the same initial states, and remembers what it has flown.
-
-    Args:
-        scenario: its task without masks is the target task.
-        episodes: engagements per policy and task.
-        seed: seed of the initial states.
-        winnable_states: initial states for which a plan that gets through is looked for.
-        progress: told how many flights of how many are done.
-    """
-
-    def __init__(
-        self, scenario: Scenario, episodes: int, seed: int, winnable_states: int, progress: Progress | None = None
-    ) -> None:
-        self.scenario, self.episodes, self.seed, self.winnable_states = scenario, episodes, seed, winnable_states
-        self.missiles = scenario.launch.missiles
-        self.family = rule_family(scenario.battlefield.width_m)
-        self._progress, self._flown, self._done = progress, dict[tuple[str, int], EpisodeResults](), 0
-        navigation = len({0, 1, self.missiles})
-        self._total = 2 * self.missiles + 2 + navigation + 1 + len(FIXED_ANGLES_DEG) + len(self.family)
-
-    def fly(self, policy: Policy, missiles: int, episodes: int | None = None) -> EpisodeResults:
-        """A policy on the task with missiles 1 to `missiles`; flown once, however often it is asked for."""
-        key = (policy.name, missiles)
-        if key not in self._flown:
-            task = Task(self.scenario).mask(range(missiles + 1, self.missiles + 1))
-            results = evaluate(policy, task, episodes or self.episodes, self.seed).results
-            assert results is not None
-            self._flown[key] = results
-        self.count(1)
-        return self._flown[key]
-
-    def count(self, flights: int) -> None:
-        """Report flights as done."""
-        self._done += flights
-        if self._progress is not None and flights:
-            self._progress(self._done, self._total)
+"""Called with how many flights of how many are done."""
 
 
 Line = Target | LeftOut
@@ -115,27 +34,39 @@ Lines = Callable[[Bench], Iterator[Line]]
 def calibrate(
     episodes: int, progress: Progress | None = None, scenario: Scenario | None = None, seed: int = SEED
 ) -> Calibration:
-    """Measure every line with `episodes` engagements each (200 for the winnable share).
+    """Measure every line of a scenario.
 
     Args:
-        episodes: engagements per policy and task.
+        episodes: engagements per policy and task; for the winnable share there are always 200.
         progress: told how many flights are done.
         scenario: the default scenario unless another is given.
         seed: seed of the initial states.
     """
-    return measure(Bench(scenario or load_scenario(), episodes, seed, WINNABLE_STATES, progress), ALL_LINES)
+    scenario = scenario or load_scenario()
+    total = _flights(scenario)
+    told = None if progress is None else lambda done: progress(done, total)
+    return measure(Bench(scenario, episodes, seed, WINNABLE_STATES, told), ALL_LINES)
+
+
+def _flights(scenario: Scenario) -> int:
+    missiles = scenario.launch.missiles
+    # The dragging expert on the target task and on the whole ladder; navigation without, with one and with all.
+    experts = 1 + (missiles + 1) + len({0, 1, missiles})
+    return experts + missiles + 1 + len(FIXED_ANGLES_DEG) + len(rule_family(scenario.battlefield.width_m))
 
 
 def measure(bench: Bench, groups: Sequence[Lines], *, give_up: bool = False) -> Calibration:
     """Measure groups of lines one after the other; with `give_up` no further ones after a line missed for sure."""
     lines: list[Line] = []
+    spared = len(groups)
     for group in groups:
         lines += group(bench)
+        spared -= 1
         if give_up and any(isinstance(line, Target) and line.verdict == "not ok" for line in lines):
             break
     targets = tuple(line for line in lines if isinstance(line, Target))
     left_out = tuple(line for line in lines if isinstance(line, LeftOut))
-    return Calibration(bench.scenario.name, bench.episodes, bench.seed, targets, left_out)
+    return Calibration(bench.scenario.name, bench.episodes, bench.seed, targets, left_out, spared)
 
 
 def dragging_on_target(bench: Bench) -> Iterator[Line]:
@@ -205,7 +136,7 @@ def loitering(bench: Bench) -> Iterator[Line]:
     loitered = (results.solved == bench.missiles) & (results.outcome == Outcome.TIMEOUT)
     returns = np.round(results.episode_return[loitered].astype(np.float64), 2)
     name = "return of evading every missile and loitering"
-    value = float(returns.mean()) if len(returns) else math.nan  # NaN, accepted nowhere: nobody loitered
+    value = float(returns.mean()) if len(returns) else math.nan
     # Nothing in it is left to chance: where all agree, the value is exact.
     agreed = len(returns) > 0 and np.ptp(returns) == 0.0
     yield Target(name, value, paid, paid, (value, value) if agreed else mean_interval(returns), scale=100.0)
@@ -214,17 +145,19 @@ def loitering(bench: Bench) -> Iterator[Line]:
 def winnable(bench: Bench) -> Iterator[Line]:
     """The share of initial states from which some plan of a family of rules gets through."""
     won = np.zeros(bench.winnable_states, dtype=bool)
-    for flown, rule in enumerate(bench.family):
+    family = rule_family(bench.scenario.battlefield.width_m)
+    for flown, rule in enumerate(family):
         if won.all():
-            bench.count(len(bench.family) - flown)
+            bench.count(len(family) - flown)
             break
-        won |= bench.fly(rule, bench.missiles, bench.winnable_states).success
+        open_states = np.flatnonzero(~won)
+        won[open_states] = bench.gets_through(rule, open_states)
     yield _share(f"winnable by some plan, of {bench.winnable_states} initial states", won, 0.98, 1.0)
 
 
-QUICK_LINES: Final[Sequence[Lines]] = (dragging_on_target, ladder, navigation, fixed_angles)
-"""Lines that sort scenarios fast, the most telling first."""
-ALL_LINES: Final[Sequence[Lines]] = (*QUICK_LINES, chance, loitering, winnable)
+ALL_LINES: Final[Sequence[Lines]] = (dragging_on_target, ladder, navigation, chance, loitering, fixed_angles, winnable)
+TELLING_LINES: Final[Sequence[Lines]] = (dragging_on_target, ladder, navigation, fixed_angles, winnable)
+"""Lines that differ from scenario to scenario, the cheapest and most telling first."""
 
 
 def _share(name: str, happened: BoolArray, low: float, high: float) -> Target:

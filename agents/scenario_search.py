@@ -11,17 +11,23 @@ from typing import Final
 
 import numpy as np
 
-from agents.calibration import ALL_LINES, QUICK_LINES, WINNABLE_STATES, Bench, Calibration, Lines, measure
+from agents.calibration import ALL_LINES, TELLING_LINES, WINNABLE_STATES, Lines, measure
+from agents.calibration_bench import Bench
+from agents.calibration_table import Calibration
 from agents.scenario_dials import Settings, check_base, drawn, refined, with_settings
 from sim.scenario import Scenario
 
 PROMOTED_SHARE: Final = 1 / 3
 """Of the candidates that pass a rung, the share that is measured on the next one (asynchronous successive halving)."""
-ELITE: Final = 6
+UNKNOWN: Final = 0.2
+"""Shortfall that a group of lines is taken to have when it was spared: so much may hide behind a line surely missed."""
+DOUBTED: Final = 0.1
+"""Weight of the doubt beside the shortfall: few episodes flatter, and a scenario should not just graze its bounds."""
+ELITE: Final = 8
 """Candidates that proposals are refined around."""
-DRAWN_FIRST: Final = 12
-"""Candidates drawn anywhere before the first refinement."""
-DRAWN_SHARE: Final = 0.2
+DRAWN_FIRST: Final = 30
+"""Candidates drawn anywhere before the first refinement: nearly all are dropped after one short flight."""
+DRAWN_SHARE: Final = 0.3
 """Share of proposals that are still drawn anywhere after that."""
 SEARCH_SEEDS: Final = 1_000_000
 """Seeds of initial states begin here in a search, so that `workbench calibrate`, with its own, is a fresh test."""
@@ -37,10 +43,12 @@ class Rung:
     episodes: int
     """Engagements per policy and task."""
     lines: Sequence[Lines]
-    """Groups of lines, the cheapest and most telling first; those behind a line that is surely missed are spared."""
+    """Groups of lines, the cheapest and most telling first."""
+    give_up: bool = False
+    """Whether the groups behind a line that is surely missed are spared."""
 
 
-RUNGS: Final = (Rung(48, QUICK_LINES), Rung(150, ALL_LINES), Rung(1000, ALL_LINES))
+RUNGS: Final = (Rung(48, TELLING_LINES, give_up=True), Rung(150, ALL_LINES), Rung(1000, ALL_LINES))
 
 
 @dataclass(frozen=True)
@@ -54,15 +62,16 @@ class Candidate:
     rung: int
     """Index of the rung."""
     calibration: Calibration
-    """The lines of this rung, up to the first group with one that is surely missed."""
+    """The lines of this rung."""
     met: bool
     """Whether it meets every target on the last rung."""
 
     @property
-    def rank(self) -> tuple[int, int, float, float, int]:
-        """Smaller is better: more thoroughly measured, more lines before giving up, closer to the targets, safer."""
+    def rank(self) -> tuple[bool, float, int]:
+        """Smaller is better: one that meets every target, then those closest to the targets and least in doubt."""
         measured = self.calibration
-        return -self.rung, -len(measured.targets), measured.shortfall, measured.doubt, self.number
+        distance = measured.shortfall + UNKNOWN * measured.spared + DOUBTED * measured.doubt
+        return not self.met, distance, self.number
 
 
 def search(
@@ -92,6 +101,12 @@ def search(
                 return
 
 
+def shortlist(best: Sequence[Candidate], new: Candidate) -> list[Candidate]:
+    """The best candidates, best first, each by its latest measurement: luck on an early rung is forgotten."""
+    others = [candidate for candidate in best if candidate.number != new.number]
+    return sorted([*others, new], key=lambda candidate: candidate.rank)[:ELITE]
+
+
 class _Race:
     """What a search remembers: its draws, the elite, and the shortfalls of those that passed each rung."""
 
@@ -107,7 +122,7 @@ class _Race:
         scenario = with_settings(self._base, settings, f"candidate-{number}", "")
         for rung in range(len(self._rungs)):
             candidate = self._measure(number, settings, scenario, rung)
-            self._remember(candidate)
+            self._elite = shortlist(self._elite, candidate)
             yield candidate
             if not self._promoted(candidate):
                 break
@@ -121,17 +136,13 @@ class _Race:
 
     def _measure(self, number: int, settings: Settings, scenario: Scenario, rung: int) -> Candidate:
         plan, tick = self._rungs[rung], self._tick
-        progress = None if tick is None else lambda _done, _total: tick(number - 1)
+        told = None if tick is None else lambda _flights: tick(number - 1)
         # Every rung has initial states of its own: luck on one does not help on the next.
         seed = SEARCH_SEEDS + self._seed * len(self._rungs) + rung
-        bench = Bench(scenario, plan.episodes, seed, min(plan.episodes, WINNABLE_STATES), progress)
-        calibration = measure(bench, plan.lines, give_up=True)
+        bench = Bench(scenario, plan.episodes, seed, min(plan.episodes, WINNABLE_STATES), told)
+        calibration = measure(bench, plan.lines, give_up=plan.give_up)
         met = rung == len(self._rungs) - 1 and calibration.ok
         return Candidate(number, settings, scenario, rung, calibration, met)
-
-    def _remember(self, candidate: Candidate) -> None:
-        others = [other for other in self._elite if other.number != candidate.number]
-        self._elite = sorted([*others, candidate], key=lambda one: one.rank)[:ELITE]
 
     def _promoted(self, candidate: Candidate) -> bool:
         if candidate.calibration.missed:

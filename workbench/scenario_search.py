@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from agents.scenario_search import Candidate, search
+from agents.scenario_search import Candidate, search, shortlist
 from sim.errors import SubMasError, UsageError
 from sim.scenario_file import load_scenario, scenario_text
 from workbench.run_files import write_bytes
@@ -105,19 +105,20 @@ def find(order: Order, bar: Bar) -> Finding:
     Raises:
         ScenarioError: there is no such scenario, or it leaves no room for the dials.
     """
-    best, tried, interrupted = None, 0, False
+    best: list[Candidate] = []
+    tried, interrupted = 0, False
     steps = search(load_scenario(order.scenario), order.seed, order.budget.candidates, _clock(order.budget, bar))
     try:
         for candidate in steps:
-            tried = candidate.number
-            if best is None or candidate.rank < best.rank:
-                best = candidate
-                bar.say(f"best so far: {told(best)}")
+            tried, before = candidate.number, best[:1]
+            best = shortlist(best, candidate)
+            if best[:1] != before:
+                bar.say(f"best so far: {told(best[0])}")
     except _TimeUp:
         pass
     except KeyboardInterrupt:
         interrupted = True
-    return Finding(best, tried, interrupted)
+    return Finding(best[0] if best else None, tried, interrupted)
 
 
 def _clock(budget: Budget, bar: Bar) -> Callable[[int], None]:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
-from agents import calibration
-from agents.calibration import ALL_LINES, SEED, Bench, Calibration, Lines, calibrate, dragging_on_target, measure
-from agents.calibration_target import LeftOut, Target
+from agents import calibration, calibration_bench
+from agents.calibration import ALL_LINES, SEED, Lines, calibrate, dragging_on_target, measure
+from agents.calibration_bench import Bench
+from agents.calibration_table import Calibration, LeftOut, Target
 from agents.drag_rules import rule_family
 from agents.evaluation import evaluate
 from agents.expert import DraggingExpert
@@ -122,13 +124,24 @@ def test_giving_up_spares_what_comes_after_a_line_that_is_surely_missed() -> Non
 def test_a_flight_is_flown_once_however_often_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     flown: list[tuple[str, int]] = []
 
-    def counted(policy: DraggingExpert, task: Task, *rest: int) -> object:
+    def counted(policy: DraggingExpert, task: Task, *rest: Any) -> object:
         flown.append((policy.name, len(task.missiles)))
         return evaluate(policy, task, *rest)
 
-    monkeypatch.setattr(calibration, "evaluate", counted)
+    monkeypatch.setattr(calibration_bench, "evaluate", counted)
     measure(Bench(SHORT, 4, 3, 4), ALL_LINES)
     assert len(flown) == len(set(flown))
+
+
+@pytest.mark.usefixtures("few_plans")
+def test_winnable_are_the_states_from_which_any_plan_gets_through() -> None:
+    bench = Bench(changed(DRILL, launch={"range_m": 40e3}), 1, 3, 30)
+    (line,) = calibration.winnable(bench)
+    assert isinstance(line, Target)
+    task = Task(bench.scenario)
+    won = [evaluate(rule, task, 30, 3).results.success for rule in calibration.rule_family(50e3)]  # type: ignore[union-attr]
+    assert 0.0 < won[0].mean() < line.value < 1.0
+    assert line.value == np.any(won, axis=0).mean()
 
 
 def test_the_largest_step_is_the_largest_difference_of_neighbours() -> None:

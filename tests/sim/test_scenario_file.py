@@ -190,7 +190,10 @@ def test_shipped_scenarios_keep_the_papers_rules(name: str) -> None:
     scenario = load_scenario(name)
     assert (scenario.rules.step_s, scenario.rules.max_steps, scenario.rules.outside_steps) == (1.0, 1200, 10)
     assert dataclasses.astuple(scenario.reward) == (400.0, 50.0, -400.0, -0.1)
-    assert scenario.launch.missiles == 4
+
+
+def test_the_default_scenario_has_the_papers_four_missiles() -> None:
+    assert load_scenario().launch.missiles == 4
 
 
 @pytest.mark.parametrize("name", scenario_names())

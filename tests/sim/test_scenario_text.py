@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -94,3 +95,12 @@ def random_number(draws: np.random.Generator, field: dataclasses.Field) -> float
     if field.type == "int":
         return int(draws.integers(low, high, endpoint=True))
     return float(draws.choice([low, high]) if draws.random() < 1 / 8 else draws.uniform(low, high))
+
+
+def test_the_example_of_the_manual_writes_a_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    manual = (Path(__file__).parents[2] / "docs/calibration.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```python\n(.*?)^```", manual, re.MULTILINE | re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, "docs/calibration.md", "exec"), {})
+    slow = changed(load_scenario(), missile={"thrust_n": 9000.0})
+    assert load_scenario("slow.toml") == dataclasses.replace(slow, name="slow")

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import agents.calibration
-from agents.calibration import Calibration, Progress
-from agents.calibration_target import LeftOut, Target
+from agents.calibration import Progress
+from agents.calibration_table import Calibration, LeftOut, Target
 from agents.scenario_dials import drawn, with_settings
 from agents.scenario_search import Candidate
 from sim.scenario import Scenario
@@ -196,6 +196,13 @@ def test_ctrl_c_keeps_the_best_so_far(monkeypatch: pytest.MonkeyPatch, capsys: p
     found = json.loads(capsys.readouterr().out)["search"]
     assert (found["interrupted"], found["candidate"], found["tried"]) == (True, 2, 3)
     assert load_scenario("mine.toml").launch == steps[1].scenario.launch
+
+
+def test_a_candidate_that_was_only_lucky_at_first_is_not_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = (candidate(1, 0.35), candidate(2, 0.2), candidate(2, 0.9, rung=1), candidate(3, 0.6))
+    monkeypatch.setattr(scenario_search, "search", search_that_yields(*steps))
+    assert cli.main(["calibrate", "--search", "--out", "mine.toml"]) == 1
+    assert ": candidate 1, shortfall 0.050" in load_scenario("mine.toml").description
 
 
 def test_ctrl_c_before_anything_is_measured_writes_nothing(

@@ -95,9 +95,7 @@ def _search(args: Args) -> int:
         print_json(figures | {"search": found | {"interrupted": finding.interrupted}})
     else:
         _show(figures)
-        print(
-            f"\nwritten to {args.out}; `workbench calibrate --scenario {args.out}` measures it on fresh initial states"
-        )
+        print(f"\nwritten to {args.out}; with fresh initial states: workbench calibrate --scenario {args.out}")
     if finding.interrupted:
         return INTERRUPTED
     return 0 if best.met else 1

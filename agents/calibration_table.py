@@ -1,4 +1,4 @@
-"""One line of a calibration table: a measured value, its interval, what is accepted, and the verdict."""
+"""Calibration tables: lines with a value, its interval, what is accepted and the verdict; how far off all are."""
 
 from __future__ import annotations
 
@@ -78,6 +78,48 @@ class LeftOut:
     def to_json(self) -> dict[str, str]:
         """The line as plain JSON values."""
         return {"name": self.name, "reason": self.reason}
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The lines of the calibration tables for one scenario."""
+
+    scenario: str
+    episodes: int
+    seed: int
+    targets: tuple[Target, ...]
+    left_out: tuple[LeftOut, ...]
+    spared: int = 0
+    """Groups of lines left unmeasured behind a line that was surely missed."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether every measured value is accepted."""
+        return all(target.ok for target in self.targets)
+
+    @property
+    def missed(self) -> bool:
+        """Whether a line is surely missed."""
+        return any(target.verdict == "not ok" for target in self.targets)
+
+    @property
+    def shortfall(self) -> float:
+        """How far the values are from all targets, summed over the lines: 0 exactly when all are ok.
+
+        A share counts with the points it lies outside, 0.01 each; other values in the scale of their line.
+        """
+        return sum(target.shortfall for target in self.targets)
+
+    @property
+    def doubt(self) -> float:
+        """How far the 95 % intervals reach out of what is accepted, summed over the lines."""
+        return sum(target.doubt for target in self.targets)
+
+    def to_json(self) -> dict[str, Any]:
+        """The tables as plain JSON values."""
+        lines = {"targets": [t.to_json() for t in self.targets], "left_out": [line.to_json() for line in self.left_out]}
+        return {"scenario": self.scenario, "episodes": self.episodes, "seed": self.seed,
+                "shortfall": self.shortfall, **lines}  # fmt: skip
 
 
 def mean_interval(values: ArrayLike, z: float = WILSON_Z) -> Interval:

@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from agents.calibration import Calibration
-from agents.calibration_target import UNMEASURED, LeftOut, Target, mean_interval
+from agents.calibration_table import UNMEASURED, Calibration, LeftOut, Target, mean_interval
 
 NAN = math.nan
 
