@@ -24,7 +24,7 @@ def scenario_choices(store: RunStore) -> dict[str, str]:
     """
     shipped = [DEFAULT, *(name for name in scenario_names() if name != DEFAULT)]
     files = sorted({run.config.scenario for run in store.list() if not run.problem} - set(shipped))
-    return {name: name for name in shipped} | {f"{path} (file)": path for path in files if _loads(path)}
+    return {name: name for name in shipped} | {_file_label(path): path for path in files if _loads(path)}
 
 
 def scenario_label(spec: str) -> str:
@@ -53,6 +53,10 @@ def trained_elsewhere(policy: Policy, task: Task) -> str:
         return ""
     trained = f"scenario '{card.scenario}' ({card.scenario_digest})"
     return f"policy '{policy.name}' was trained on {trained}, not on '{here.name}' ({here.digest})"
+
+
+def _file_label(path: str) -> str:
+    return f"{Path(path).name} ({Path(path).parent})"
 
 
 def _loads(spec: str) -> bool:

@@ -57,3 +57,15 @@ def test_figures_can_be_taken_home(visitor: Page, served: Served) -> None:
     with visitor.expect_download(timeout=SLOW_MS) as download:
         visitor.locator("[title='Download CSV']").first.click()
     assert download.value.suggested_filename == "azimuth.csv"
+
+
+def test_six_missiles_are_flown_with_the_mask_that_the_page_offers(visitor: Page, served: Served) -> None:
+    visitor.goto(f"{served.address}/fly?scenario=six-missiles")
+    offer = visitor.get_by_role("button", name="Mask 5, 6 and fly")
+    expect(offer).to_be_visible(timeout=SLOW_MS)
+    expect(visitor.get_by_text("cannot see missiles 5, 6 of this task")).to_be_visible()
+    offer.click()
+    expect(visitor.locator(".card.exit, .card.failed")).to_have_count(2, timeout=SLOW_MS)
+    expect(visitor.get_by_text("was trained on scenario 'default'")).to_be_visible()
+    expect(visitor.get_by_role("button", name="Missile 6")).to_have_attribute("aria-pressed", "false")
+    expect(visitor).to_have_url(re.compile(r"scenario=six-missiles.*mask=5%2C6"))

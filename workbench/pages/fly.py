@@ -65,7 +65,9 @@ class FlyPage:
             pmui.Alert(object="", severity=severity, visible=False, margin=0, sizing_mode="stretch_width", sx=SLIM)
             for severity in ("warning", "info")
         )
-        self._offer = pmui.Button(label="", icon="visibility_off", variant="outlined", visible=False, margin=0)
+        self._offer = pmui.Button(
+            label="", icon="visibility_off", variant="outlined", visible=False, margin=0, sizing_mode=None
+        )
         self._offer.on_click(lambda _event: self._controls.mask(self._offered))
         self._progress = pmui.LinearProgress(
             variant="indeterminate", sizing_mode="stretch_width", margin=0, height=4, visible=True

@@ -31,8 +31,8 @@ COLUMNS = {
 }
 """Columns of the table and their titles; every cell is data, never markup (Tabulator's default)."""
 WIDTHS = {
-    "state": 120, "training": 250, "name": 115, "variant": 85, "profile": 85, "seed": 70, "success": 105,
-    "progress": 95, "started": 160, "minutes": 90, "run": 205,
+    "state": 120, "training": 235, "name": 110, "variant": 85, "profile": 85, "seed": 70, "success": 118,
+    "progress": 112, "started": 160, "minutes": 90, "run": 200,
 }  # fmt: skip
 SIGNS = {"queued": "…", "running": "▶", "stopped": "■", "finished": "✓", "failed": "✗", "interrupted": "✗"}
 """Signs before a state, so that it is seen without reading."""

@@ -119,7 +119,7 @@ def test_scenario_files_of_runs_are_on_offer_while_they_can_be_read(app: AppCont
     own = tmp_path / "own.toml"
     own.write_text((Path(__file__).parents[3] / "assets/scenarios/short-range.toml").read_text(encoding="utf-8"))
     run = app.store.create(TrainingConfig(scenario=str(own)))
-    assert scenario_choices(app.store)[f"{own} (file)"] == str(own)
+    assert scenario_choices(app.store)[f"own.toml ({tmp_path})"] == str(own)
     own.unlink()
     assert str(own) not in scenario_choices(app.store).values()
     assert fly_address(run) == f"/fly?a={run.id}"
