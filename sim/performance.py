@@ -151,7 +151,8 @@ def missile_figures(
     for altitude in altitudes_m:
         shot = fly_out(scenario, altitude)
         speeds = [f"{speed:.0f} m/s" for speed in (shot.peak_speed_m_s, *shot.speed_m_s)]
-        ranges = [f"{range_ / 1e3:.1f} km" for range_ in (*shot.range_m, shot.supersonic_range_m)]
+        ranges = [f"{metres / 1e3:.1f} km" if metres == metres else "further" for metres in
+                  (*shot.range_m, shot.supersonic_range_m)]  # fmt: skip
         rows.append((name, f"{altitude / 1e3:.0f} km", *speeds, *ranges))
     return rows
 

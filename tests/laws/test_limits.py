@@ -56,13 +56,13 @@ def roll_used(b: Body, model: Aircraft) -> float:
 
 
 def pull_used(m: Flight, model: Missile) -> float:
-    """Largest pull over what the fins can have built up: dynamic pressure allows, the autopilot's lag follows."""
+    """Largest pull over what the air allows now and the lag of the autopilot can have built up so far."""
     _, across = pull(m)
     pressure = 0.5 * density(m.position[:-1, 2]) * (m.velocity[:-1] ** 2).sum(axis=1)
     allowed = model.load_factor_max * GRAVITY * np.minimum(1.0, pressure / model.full_load_pressure_pa)
     reached, most = 0.0, np.empty_like(allowed)
     for n, limit in enumerate(allowed):
-        reached += (limit - reached) * -np.expm1(-DT / model.lag_s)
+        reached = min(limit, reached + (limit - reached) * -np.expm1(-DT / model.lag_s))
         most[n] = reached
     # Two hundredths of m/s^2: float32 speeds of a thousand metres per second, over a substep.
     return float(((across - 0.02) / most).max())
