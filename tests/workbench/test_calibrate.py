@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import agents.calibration
+import agents.scenario_search
 from agents.calibration import Progress
 from agents.calibration_table import Calibration, LeftOut, Target
 from agents.scenario_dials import drawn, with_settings
@@ -56,6 +57,16 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, str]]:
 
     monkeypatch.setattr(agents.calibration, "calibrate", calibrate)
     return calls
+
+
+@pytest.fixture
+def no_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever begins to fly candidates fails."""
+
+    def measure(*_: object, **__: object) -> Calibration:
+        raise AssertionError("a candidate was flown")
+
+    monkeypatch.setattr(agents.scenario_search, "measure", measure)
 
 
 @pytest.fixture
@@ -141,7 +152,7 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.usefixtures("asked")
+@pytest.mark.usefixtures("asked", "no_search")
 @pytest.mark.parametrize(("line", "sentence"), MISTAKES, ids=[line for line, _ in MISTAKES])
 def test_a_mistake_is_one_sentence_and_exit_code_2(
     line: str, sentence: str, capsys: pytest.CaptureFixture[str]
