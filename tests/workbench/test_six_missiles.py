@@ -112,6 +112,8 @@ def test_natural_guides_are_those_of_the_very_scenario() -> None:
     ]  # fmt: skip
     assert natural_guide(TrainingConfig(scenario=SIX, missiles=1)) == "expert-navigation"
     assert natural_guide(TrainingConfig(scenario=SIX, curriculum=True)) == "expert-navigation"
+    # Five of six are guided by four of six, which is a source task 2 as well, but not the shipped one.
+    assert natural_guide(TrainingConfig(scenario=SIX, missiles=5)) == ""
     with pytest.raises(
         UnknownPolicyError, match=r"2 missiles of scenario 'six-missiles' is shipped.*--guide"
     ):

@@ -105,6 +105,9 @@ def test_a_blind_policy_is_refused_with_the_mask_that_works(tmp_path: Path) -> N
     with pytest.raises(BlindPolicyError, match="cannot see missiles 5, 6 of this task") as refused:
         fly_both(settings, store)
     assert refused.value.masked == {3, 4, 5, 6}
+    with pytest.raises(BlindPolicyError) as refused:
+        fly_both(replace(settings, masked=frozenset({3, 5})), store)
+    assert refused.value.masked == {3, 4, 5, 6}
     flown = fly_both(replace(settings, masked=refused.value.masked), store)
     assert [track.number for track in flown.b.missiles] == [1, 2]
 
