@@ -66,7 +66,8 @@ class PolicyCard:
     final: bool
     """The stage is over; this is its best policy."""
     evaluation: Mapping[str, Any] | None = None
-    """Held-out evaluation, with the keys of `workbench evaluate --json`."""
+    """With the keys of `workbench evaluate --json`: a final policy on fresh episodes that had no part in choosing it,
+    any other on the held-out episodes by which it became the best so far."""
 
     def to_json(self) -> dict[str, Any]:
         """All fields as plain JSON values."""

@@ -92,6 +92,8 @@ class Hyperparameters:
     """Held-out success rate that ends a stage early; more than 1 never does."""
     promotion_evaluations: int = _within(1, 1_000)
     """Held-out evaluations of one policy, each on fresh episodes, that must all reach it."""
+    final_episodes: int = _within(1, 100_000)
+    """Episodes that judge the stage's policy when all is over: its card's figures, in which nothing was chosen."""
 
     def __post_init__(self) -> None:
         """Reject numbers outside their range."""
@@ -135,6 +137,7 @@ PAPER: Final = Hyperparameters(
     beta_source="evaluation",
     promotion_success=2.0,
     promotion_evaluations=2,
+    final_episodes=1000,
 )
 """Table 2 to the letter; what the paper leaves open follows SpinningUp's TD3."""
 
@@ -173,6 +176,7 @@ SMOKE: Final = dataclasses.replace(
     lanes=32,
     evaluate_every=2,
     evaluation_episodes=20,
+    final_episodes=20,
 )
 """Seconds per stage, for tests; it is not expected to learn."""
 

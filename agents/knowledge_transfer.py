@@ -9,7 +9,7 @@ from agents.collection import Collector
 from agents.evaluation import Evaluation
 from agents.metrics import epoch_row
 from agents.policy import NetworkPolicy
-from agents.promotion import current_policy, examine, is_better, promotion_reason
+from agents.promotion import current_policy, examine, is_better, judge, promotion_reason
 from agents.recorder import Recorder
 from agents.stage import Stage
 from agents.training_state import EpochCounts, TrainingState, start_stage
@@ -107,13 +107,13 @@ def end_reason(stage: Stage, state: TrainingState, recorder: Recorder) -> str:
 
 
 def finish_stage(stage: Stage, state: TrainingState, recorder: Recorder, reason: str) -> NetworkPolicy:
-    """Hand over the stage's best policy for good; one that was never evaluated counts as it is."""
+    """Hand over the stage's best policy for good, with the figures of episodes that had no part in choosing it."""
     policy = state.best or current_policy(stage, state)
     card = policy.card or card_of(stage, state, state.best_evaluation)
-    policy.card = dataclasses.replace(card, final=True)
+    final = judge(stage, policy)
+    policy.card = dataclasses.replace(card, final=True, evaluation=final.to_json())
     recorder.policy(policy, policy.card)
-    fields = {"task": stage.task.name, "epoch": state.epoch, "reason": reason}
-    if state.best_evaluation is not None:
-        fields["success_rate"] = state.best_evaluation.success_rate
-    recorder.event("stage_finished", f"{stage.task.name}: {reason}", **fields)
+    text = f"{stage.task.name}: {reason}; {final.success_rate:.1%} of {final.episodes} fresh episodes"
+    fields = {"task": stage.task.name, "epoch": state.epoch, "reason": reason, "success_rate": final.success_rate}
+    recorder.event("stage_finished", text, **fields)
     return policy

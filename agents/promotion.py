@@ -53,6 +53,11 @@ def examine(stage: Stage, state: TrainingState, policy: NetworkPolicy) -> Evalua
     return pooled(flown)
 
 
+def judge(stage: Stage, policy: NetworkPolicy) -> Evaluation:
+    """Evaluate the stage's policy on initial states that were used neither to train nor to choose it."""
+    return evaluate(policy, stage.task, stage.hyper.final_episodes, stage.final_seed, domain=stage.domain)
+
+
 def is_better(new: Evaluation, best: Evaluation | None) -> bool:
     """More successes, or as many with a higher return."""
     if best is None:

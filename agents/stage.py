@@ -13,6 +13,7 @@ from agents.transfer_mask import TransferMask
 
 TRAINING_SEEDS: Final = 2**42
 HELD_OUT_SEEDS: Final = 2**43
+FINAL_SEEDS: Final = 2**44
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +51,11 @@ class Stage:
     def held_out_seed(self) -> int:
         """Seed of the initial states used for evaluation alone; never one of any training."""
         return self.seed - TRAINING_SEEDS + HELD_OUT_SEEDS
+
+    @property
+    def final_seed(self) -> int:
+        """Seed of the initial states that judge the stage's policy: neither trained on nor used to choose it."""
+        return self.seed - TRAINING_SEEDS + FINAL_SEEDS
 
     @property
     def transfer_mask(self) -> TransferMask:

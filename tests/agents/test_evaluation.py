@@ -63,7 +63,7 @@ def test_the_json_has_exactly_the_agreed_keys() -> None:
     assert set(values) == KEYS
     assert values["policy"] == "expert-navigation"
     assert values["mask"] == [1, 2, 3, 4] and values["missiles"] == [] and values["episodes"] == 4
-    assert set(values["outcomes"]) == {"exit", "shot_down", "left_field", "timeout"}
+    assert set(values["outcomes"]) == {"exit", "shot_down", "left_field", "timeout", "not_finite"}
     assert progress[-1] == (4, 4)
 
 

@@ -76,8 +76,17 @@ def test_a_stage_reports_every_epoch_and_hands_over_its_best_policy() -> None:
     assert recording.kinds()[0] == "stage_started" and recording.kinds()[-1] == "stage_finished"
     last, card = recording.policies[-1]
     assert last is policy and card.final and card.missiles == (1,) and card.seed == 3
-    rates = [row["success_rate"] for row in recording.rows]
-    assert card.evaluation is not None and card.evaluation["success_rate"] == max(rates)
+    # The card tells of fresh episodes: those that chose the policy would flatter it.
+    assert card.evaluation is not None and card.evaluation["seed"] == stage_for().final_seed
+    assert card.evaluation["episodes"] == stage_for().hyper.final_episodes
+
+
+def test_episodes_that_train_that_choose_and_that_judge_are_never_the_same() -> None:
+    stages = [dataclasses.replace(stage_for(), config=dataclasses.replace(stage_for().config, seed=s)) for s in (0, 99)]
+    seeds = {seed for stage in stages for seed in (stage.seed, stage.held_out_seed, stage.final_seed)}
+    assert len(seeds) == 6
+    # Nor any that a person types.
+    assert min(seeds) > 2**41
 
 
 def test_the_same_seed_gives_the_same_policy_and_another_seed_another() -> None:

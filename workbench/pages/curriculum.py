@@ -81,7 +81,7 @@ class CurriculumPage:
         return lattice
 
     def _lattice_words(self) -> str:
-        rates = "; %: held-out success that promoted the shipped policy" if shipped_success(self._scenario) else ""
+        rates = "; %: success of the shipped policy in fresh engagements" if shipped_success(self._scenario) else ""
         return _heading("Lattice of tasks", f"click a task; blue is Algorithm 3's chain{rates}")
 
     def _change_scenario(self, event: Any) -> None:
