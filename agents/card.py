@@ -40,9 +40,8 @@ def card_of(stage: Stage, state: TrainingState, evaluation: Evaluation | None) -
 
 
 def command_of(config: TrainingConfig) -> str:
-    """Command line that repeats this training."""
-    what = ["--curriculum"] if config.curriculum else []
-    words = ["workbench train", *what, f"--missiles {config.missiles}"]
+    """Command line that repeats this training; a curriculum always learns all missiles of its scenario."""
+    words = ["workbench train", "--curriculum" if config.curriculum else f"--missiles {config.missiles}"]
     if config.guide:
         words.append(f"--guide {config.guide}")
     if config.scenario != "default":

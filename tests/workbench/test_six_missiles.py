@@ -8,7 +8,9 @@ from itertools import combinations
 from pathlib import Path
 
 import pytest
+import tyro
 
+from agents.card import command_of
 from agents.checkpoint import save_policy
 from agents.config import TrainingConfig
 from agents.curriculum import build_curriculum, create_tasks
@@ -21,6 +23,7 @@ from sim.world import World
 from tests.agents.recording import Recording
 from workbench import cli
 from workbench.policies import UnknownPolicyError, guide_for, natural_guide, shipped_success, title
+from workbench.seeds import parse_seeds
 
 SIX = "six-missiles"
 TARGET = Task(load_scenario(SIX))
@@ -114,9 +117,7 @@ def test_natural_guides_are_those_of_the_very_scenario() -> None:
     assert natural_guide(TrainingConfig(scenario=SIX, curriculum=True)) == "expert-navigation"
     # Five of six are guided by four of six, which is a source task 2 as well, but not the shipped one.
     assert natural_guide(TrainingConfig(scenario=SIX, missiles=5)) == ""
-    with pytest.raises(
-        UnknownPolicyError, match=r"2 missiles of scenario 'six-missiles' is shipped.*--guide"
-    ):
+    with pytest.raises(UnknownPolicyError, match=r"2 missiles of scenario 'six-missiles' is shipped.*--guide"):
         guide_for(TrainingConfig(scenario=SIX, missiles=3))
     assert guide_for(TrainingConfig(scenario=SIX, missiles=3, guide="submas-source-2")).name == "submas-source-2"
 
@@ -131,3 +132,19 @@ def test_a_training_is_told_with_its_scenario_only_where_it_is_another() -> None
     assert title(TrainingConfig(scenario=SIX, missiles=5)) == "5 missiles · six-missiles · submas · fast · seed 0"
     own = TrainingConfig(scenario="/home/me/hard.toml", missiles=1, name="mine")
     assert title(own) == "mine · hard.toml · submas · fast · seed 0"
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        TrainingConfig(curriculum=True, seed=3),
+        TrainingConfig(scenario=SIX, curriculum=True, profile="smoke"),
+        TrainingConfig(scenario=SIX, missiles=5, guide="submas-source-1", variant="wo-pr"),
+    ],
+    ids=["chain", "chain of six", "stage"],
+)
+def test_the_command_on_a_card_asks_for_the_same_training(config: TrainingConfig) -> None:
+    words = command_of(config).split()[2:]
+    args = tyro.cli(cli.command("train").Args, args=words)
+    (seed,) = parse_seeds(args.seeds)
+    assert cli.command("train").configuration(args, seed) == config
