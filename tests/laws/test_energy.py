@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sim.scenario import Aircraft, Missile, Scenario
 from sim.start import initial_states
 from tests.engagements import DRILL, Policy, changed, circle, drag, straight, task
-from tests.laws.records import hard_turns
+from tests.laws.records import SCENARIOS, hard_turns
 from tests.laws.tracks import (
     DRAG_SHARE,
     DT,
@@ -107,6 +107,13 @@ def test_an_aircraft_that_flies_by_other_numbers_than_the_ledgers_would_be_notic
 def test_missiles_balance(act: Policy | NDArray) -> None:
     imbalance = missile_imbalances(act, DRILL, DRILL.missile)
     assert len(imbalance) > 40
+    assert imbalance.max() < WITHIN
+
+
+def test_missiles_of_the_default_scenario_balance() -> None:
+    default = SCENARIOS["default"]
+    imbalance = missile_imbalances(hard_turns(120, LANES, seed=3), default, default.missile)
+    assert len(imbalance) > 20
     assert imbalance.max() < WITHIN
 
 
