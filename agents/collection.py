@@ -6,6 +6,7 @@ import numpy as np
 import torch
 
 from agents.distillation import imitation_reward
+from agents.exploration import held_noise
 from agents.features import ObservationFeatures
 from agents.reuse import behaviour_action, composite_action, draw_reuse
 from agents.stage import Stage
@@ -58,8 +59,8 @@ class Collector:
         hyper = self.stage.hyper
         state.reused = draw_reuse(state.reused, state.restarted, state.epsilon, hyper.segment_steps, state.generator)
         action = behaviour_action(own, composite_action(own, guide, allowed), state.reused)
-        noise = state.generator.normal(0.0, hyper.action_noise, action.shape)
-        return np.clip(action + noise, -self.limit, self.limit).astype(np.float32)
+        state.noise = held_noise(state.noise, state.restarted, hyper.action_noise, hyper.noise_steps, state.generator)
+        return np.clip(action + state.noise, -self.limit, self.limit).astype(np.float32)
 
     def restart(self, state: TrainingState, over: BoolArray) -> None:
         """Record finished episodes and start their lanes anew, after the transition has been stored."""

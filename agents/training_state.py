@@ -55,6 +55,8 @@ class TrainingState:
     """The same, encoded `[L, f]`."""
     reused: BoolArray
     """Lanes whose last draw of ε fell on reuse `[L]`."""
+    noise: FloatArray
+    """Exploration noise of the step before `[L, 1]` [action units]."""
     restarted: BoolArray
     """Lanes whose episode has just begun `[L]`."""
     lane_return: FloatArray
@@ -95,6 +97,7 @@ def start_stage(stage: Stage) -> TrainingState:
         observation=observation,
         features=features.encode(observation),
         reused=np.zeros(hyper.lanes, bool),
+        noise=np.zeros((hyper.lanes, 1), np.float32),
         restarted=np.ones(hyper.lanes, bool),
         lane_return=np.zeros(hyper.lanes, np.float32),
         generator=np.random.default_rng(stage.seed),
