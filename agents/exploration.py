@@ -23,6 +23,8 @@ def held_noise(
         steps: mean number of steps a draw holds; each step ends one with probability 1 / `steps`.
         generator: source of the draws.
     """
-    fresh = generator.normal(0.0, deviation, noise.shape)
+    fresh = generator.normal(0.0, deviation, noise.shape).astype(np.float32)
+    if steps == 1:
+        return fresh
     ended = restarted[:, None] | (generator.random(noise.shape) < 1.0 / steps)
-    return np.where(ended, fresh, noise).astype(np.float32)
+    return np.where(ended, fresh, noise)
