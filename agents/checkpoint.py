@@ -20,13 +20,14 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from agents.features import ObservationFeatures
-from agents.policy import NetworkPolicy
+from agents.policy import ACTIVATIONS, SQUASHES, NetworkPolicy
 from agents.task import Domain, FloatArray
 from sim.errors import UsageError
 
 SIZE_LIMIT: Final = 4_000_000
 """Largest policy file that is read [bytes]."""
 CARD_KEY: Final = "card"
+_BENDS: Final = {"activation": ACTIVATIONS, "squash": SQUASHES}
 
 
 class PolicyFileError(UsageError):
@@ -68,6 +69,10 @@ class PolicyCard:
     evaluation: Mapping[str, Any] | None = None
     """With the keys of `workbench evaluate --json`: a final policy on fresh episodes that had no part in choosing it,
     any other on the held-out episodes by which it became the best so far."""
+    activation: str = "relu"
+    """Bend of its hidden layers, one of `agents.policy.ACTIVATIONS`; older files do not say."""
+    squash: str = "tanh"
+    """Bend of its output, one of `agents.policy.SQUASHES`; likewise."""
 
     def to_json(self) -> dict[str, Any]:
         """All fields as plain JSON values."""
@@ -98,7 +103,8 @@ def load_policy(path: Path | str, domain: Domain | None = None) -> NetworkPolicy
     except (SafetensorError, ValueError, KeyError, TypeError) as error:
         raise PolicyFileError(f"policy file '{path}' is damaged: {error}") from None
     layers = _layers(path, tensors, [features.size, *card.hidden, 1])
-    return NetworkPolicy(card.name, features, layers, (domain or _evasion()).action_limit, card)
+    limit = (domain or _evasion()).action_limit
+    return NetworkPolicy(card.name, features, layers, limit, card, activation=card.activation, squash=card.squash)
 
 
 def _named(policy: NetworkPolicy) -> dict[str, FloatArray]:
@@ -137,14 +143,16 @@ def card_from_json(values: Any, where: str) -> PolicyCard:
         PolicyFileError: starting with `where`, for unknown, missing or impossible values.
     """
     names = {item.name for item in dataclasses.fields(PolicyCard)}
-    if not isinstance(values, dict) or set(values) - names or names - set(values) - {"evaluation"}:
+    needed = {item.name for item in dataclasses.fields(PolicyCard) if item.default is dataclasses.MISSING}
+    if not isinstance(values, dict) or set(values) - names or needed - set(values):
         raise PolicyFileError(f"{where} has a card with unknown or missing keys")
     values = dict(values)
     for name in ("missiles", "hidden"):
         if not isinstance(values[name], list):
             raise PolicyFileError(f"{where} has a card whose {name} is not a list")
         values[name] = tuple(values[name])
-    wrong = [item.name for item in dataclasses.fields(PolicyCard) if not _legal(item, values.get(item.name))]
+    given = [item for item in dataclasses.fields(PolicyCard) if item.name in values]
+    wrong = [item.name for item in given if not _legal(item, values[item.name])]
     if wrong:
         raise PolicyFileError(f"{where} has a card whose {wrong[0]} is {values[wrong[0]]!r}")
     return PolicyCard(**values)
@@ -153,6 +161,8 @@ def card_from_json(values: Any, where: str) -> PolicyCard:
 def _legal(item: dataclasses.Field[Any], value: Any) -> bool:
     if item.name == "evaluation":
         return value is None or isinstance(value, dict)
+    if item.name in _BENDS:
+        return isinstance(value, str) and value in _BENDS[item.name]
     if item.type == "tuple[int, ...]":
         return len(value) <= 64 and all(type(number) is int and 0 < number <= 4096 for number in value)
     if item.type == "str":

@@ -15,6 +15,7 @@ __all__ = ["PROFILES", "VARIANTS", "ConfigError", "Hyperparameters", "TrainingCo
 
 
 Schedule = Literal["adaptive", "decayed"]
+Algorithm = Literal["td3", "sac", "ppo"]
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,18 @@ class Variant:
     """Schedule of α: Eq. 16 and 20, or a linear decay."""
     epsilon: Schedule = "adaptive"
     """Schedule of ε: Eq. 19 and 21, or a linear decay."""
+    algorithm: Algorithm = "td3"
+    """What learns: the TD3 of Algorithm 4, or Stable-Baselines3's SAC or PPO (§4.3)."""
+
+    @property
+    def guided(self) -> bool:
+        """Whether a guide takes part in learning."""
+        return self.distillation or self.reuse
+
+    @property
+    def from_library(self) -> bool:
+        """Whether Stable-Baselines3 learns, which knows neither guide nor curriculum."""
+        return self.algorithm != "td3"
 
 
 VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
@@ -38,14 +51,16 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
         "wo-pr": Variant(reuse=False),
         "dec-pd": Variant(alpha="decayed"),
         "dec-pr": Variant(epsilon="decayed"),
-        # Not an ablation but the baseline of §4.3: the same learner without any guide.
+        # Not ablations but the baselines of §4.3: the same learner without any guide, and two others.
         "td3": Variant(distillation=False, reuse=False),
+        "sac": Variant(distillation=False, reuse=False, algorithm="sac"),
+        "ppo": Variant(distillation=False, reuse=False, algorithm="ppo"),
     }
 )
-"""Ablations of Table 3 and the TD3 baseline, by name."""
+"""Ablations of Table 3 and the baselines of §4.3 (Fig. 9), by name."""
 
 ProfileName = Literal["paper", "fast", "smoke"]
-VariantName = Literal["submas", "wo-pd", "wo-pr", "dec-pd", "dec-pr", "td3"]
+VariantName = Literal["submas", "wo-pd", "wo-pr", "dec-pd", "dec-pr", "td3", "sac", "ppo"]
 EVERY_MISSILE: Final = -1
 """Number of missiles that stands for all of the scenario's; a configuration turns it into their number."""
 _CHOICES: Final = {"profile": get_args(ProfileName), "variant": get_args(VariantName)}
@@ -66,7 +81,7 @@ class TrainingConfig:
     guide: str = ""
     """Policy that guides the (first) stage; empty takes that of the next easier task."""
     variant: VariantName = "submas"
-    """Ablation of Table 3, or `td3` for the same learner without a guide."""
+    """Ablation of Table 3, or a baseline that learns from scratch: `td3` (the same learner), `sac` or `ppo`."""
     profile: ProfileName = "fast"
     """Hyperparameters: `paper` is Table 2, `fast` takes minutes, `smoke` seconds."""
     seed: int = 0
@@ -78,7 +93,7 @@ class TrainingConfig:
         """Count the missiles if that was left open; reject unknown profiles and variants and numbers out of range.
 
         Raises:
-            ConfigError: naming the field, its value and what is legal.
+            ConfigError: naming the field, its value and what is legal; or a curriculum or a guide for SAC or PPO.
             ScenarioError: the missiles are to be counted and there is no such scenario.
         """
         _check_field("scenario", self.scenario, str)
@@ -90,11 +105,20 @@ class TrainingConfig:
             _check_field(item.name, getattr(self, item.name), _TYPES[str(item.type)])
         if len(self.name) > 200 or not self.name.isprintable():
             raise ConfigError("name must be one printable line of at most 200 characters")
+        if VARIANTS[self.variant].from_library:
+            _check_single(self)
 
     @property
     def hyperparameters(self) -> Hyperparameters:
-        """Numbers of the chosen profile."""
-        return PROFILES[self.profile]
+        """Numbers of the chosen profile.
+
+        SAC and PPO get as many epochs as the whole curriculum up to their task may take. Only `paper` leaves them the
+        epochs of one stage, as in Fig. 9.
+        """
+        hyper = PROFILES[self.profile]
+        if not VARIANTS[self.variant].from_library or self.profile == "paper":
+            return hyper
+        return dataclasses.replace(hyper, epochs=self.missiles * hyper.epochs)
 
     def to_json(self) -> dict[str, Any]:
         """All fields as plain JSON values."""
@@ -114,6 +138,19 @@ class TrainingConfig:
         if unknown:
             raise ConfigError(f"unknown key '{unknown[0]}' in a training configuration; known are {', '.join(known)}")
         return cls(**values)
+
+
+def _check_single(config: TrainingConfig) -> None:
+    """Raise `ConfigError` if SAC or PPO is to follow a curriculum or a guide."""
+    if config.curriculum:
+        raise ConfigError(
+            f"variant '{config.variant}' learns its task from scratch and has no curriculum; "
+            "train a single stage (without --curriculum)"
+        )
+    if config.guide:
+        raise ConfigError(
+            f"variant '{config.variant}' learns without a guide, and guide is {config.guide[:60]!r}; choose none"
+        )
 
 
 def _check_field(name: str, value: Any, kind: type) -> None:

@@ -5,8 +5,9 @@ Nothing here needs torch: a trained policy is three matrix products, and pages a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
 
 Act = Callable[[FloatArray], FloatArray]
 """Observations `[B, d]` of one known task -> actions `[B, 1]` [rad]."""
+Bend = Callable[[FloatArray], FloatArray]
+
+ACTIVATIONS: Final[Mapping[str, Bend]] = MappingProxyType({"relu": lambda x: np.maximum(x, 0.0), "tanh": np.tanh})
+"""What a network does to its hidden layers, by name."""
+SQUASHES: Final[Mapping[str, Bend]] = MappingProxyType({"tanh": np.tanh, "clip": lambda x: np.clip(x, -1.0, 1.0)})
+"""How a network's output becomes a share of the action limit, by name."""
 
 
 class PolicyError(UsageError):
@@ -76,7 +83,7 @@ def _missiles(numbers: Sequence[int]) -> str:
 
 
 class NetworkPolicy:
-    """A ReLU network with a tanh output, the deterministic policy μ_θ of Eq. 3."""
+    """A ReLU network with a tanh output, the deterministic policy μ_θ of Eq. 3; PPO's has other bends."""
 
     def __init__(
         self,
@@ -85,13 +92,17 @@ class NetworkPolicy:
         layers: Sequence[tuple[FloatArray, FloatArray]],
         action_limit: float,
         card: PolicyCard | None = None,
+        *,
+        activation: str = "relu",
+        squash: str = "tanh",
     ) -> None:
-        """Layers are (weight `[out, in]`, bias `[out]`) pairs, first to last."""
+        """Layers are (weight `[out, in]`, bias `[out]`) pairs, first to last; bends are of ACTIVATIONS and SQUASHES."""
         self.name = name
         self.features = features
         self.layers = tuple(layers)
         self.action_limit = action_limit
         self.card = card
+        self.activation, self.squash = activation, squash
         self._weights = [(np.ascontiguousarray(weight.T), bias) for weight, bias in self.layers]
 
     @property
@@ -108,7 +119,8 @@ class NetworkPolicy:
 
     def act_on_features(self, hidden: FloatArray) -> FloatArray:
         """Actions `[B, 1]` [rad] for encoded observations `[B, f]`."""
+        activate, squash = ACTIVATIONS[self.activation], SQUASHES[self.squash]
         for weight, bias in self._weights[:-1]:
-            hidden = np.maximum(hidden @ weight + bias, 0.0)
+            hidden = activate(hidden @ weight + bias)
         weight, bias = self._weights[-1]
-        return np.tanh(hidden @ weight + bias) * np.float32(self.action_limit)
+        return squash(hidden @ weight + bias) * np.float32(self.action_limit)

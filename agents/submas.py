@@ -50,7 +50,7 @@ def train(
     domain: Domain | None = None,
     hyperparameters: Hyperparameters | None = None,
 ) -> Policy:
-    """Run one training: the curriculum (Algorithm 5) or a single stage (Algorithm 4).
+    """Run one training: the curriculum (Algorithm 5), a single stage (Algorithm 4), or SAC or PPO from scratch (§4.3).
 
     Args:
         config: what to train.
@@ -83,6 +83,10 @@ def train(
             index=number,
             count=stages,
         )
+        if stage.variant.from_library:
+            from agents.baselines import learn_baseline  # who trains SubMas-RL need not wait for the library
+
+            return learn_baseline(stage, recorder)
         return knowledge_transfer(stage, recorder)
 
     if not config.curriculum:

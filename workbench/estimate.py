@@ -36,7 +36,7 @@ class Estimate:
 
 def estimate(config: TrainingConfig, seeds: int, runs: Sequence[Run]) -> Estimate:
     """The most that `seeds` trainings like this can take, given the earlier `runs` (newest first)."""
-    speeds = epoch_seconds(config.profile, runs)
+    speeds = epoch_seconds(config, runs)
     epoch_s = median(speeds) if speeds else TYPICAL_EPOCH_S[config.profile]
     stages = config.missiles if config.curriculum else 1
     at_once = min(seeds, cpu_count())
@@ -44,11 +44,14 @@ def estimate(config: TrainingConfig, seeds: int, runs: Sequence[Run]) -> Estimat
     return Estimate(rounds * stages * config.hyperparameters.epochs * epoch_s, stages, at_once, len(speeds))
 
 
-def epoch_seconds(profile: str, runs: Sequence[Run]) -> list[float]:
-    """Seconds per epoch [s] of the newest runs with this profile."""
+def epoch_seconds(config: TrainingConfig, runs: Sequence[Run]) -> list[float]:
+    """Seconds per epoch [s] of the newest runs with this profile and this learning algorithm."""
+    from agents.config import VARIANTS
+
+    wanted = config.profile, VARIANTS[config.variant].algorithm
     speeds: list[float] = []
     for run in runs:
-        if run.problem or run.config.profile != profile:
+        if run.problem or (run.config.profile, VARIANTS[run.config.variant].algorithm) != wanted:
             continue
         try:
             rows = run.metrics()

@@ -114,13 +114,15 @@ def title(config: TrainingConfig) -> str:
 def natural_guide(config: TrainingConfig) -> str:
     """POLICY that guides the first stage when none is chosen: the policy of the task with one missile less.
 
-    The easiest task (one missile) is guided by the navigation expert (section 4.1), and so is a whole curriculum.
-    Empty when no policy of that task, trained on this very scenario, is shipped.
+    The easiest task (one missile) is guided by the navigation expert (section 4.1), and so is a whole curriculum;
+    SAC and PPO have it and never ask it. Empty when no policy of that task, trained on this very scenario, is shipped.
 
     Raises:
         ScenarioError: there is no such scenario.
     """
-    if config.curriculum or config.missiles == 1:
+    from agents.config import VARIANTS
+
+    if config.curriculum or config.missiles == 1 or VARIANTS[config.variant].from_library:
         return "expert-navigation"
     target = Task(load_scenario(config.scenario))
     easier = target.mask(missile for missile in target.missiles if missile >= config.missiles)

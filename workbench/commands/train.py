@@ -24,7 +24,7 @@ class Args:
     guide: str = ""
     """POLICY that guides the first stage (default: the one for the task with a missile less)."""
     variant: str = "submas"
-    """Table 3: submas, wo-pd, wo-pr, dec-pd or dec-pr."""
+    """Table 3: submas, wo-pd, wo-pr, dec-pd or dec-pr; or from scratch: td3, sac or ppo."""
     profile: str = "fast"
     """Settings: fast, paper (Table 2 exactly) or smoke (seconds, to try things out)."""
     seeds: str = "0"

@@ -9,6 +9,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from agents.config import VARIANTS as CONFIGURED
 from agents.config import TrainingConfig
 from sim.errors import SubMasError, UsageError
 from sim.task import Task
@@ -27,8 +28,10 @@ VARIANTS = {
     "decayed distillation weight (Dec-PD)": "dec-pd",
     "decayed reuse probability (Dec-PR)": "dec-pr",
     "TD3 from scratch, no guide": "td3",
+    "SAC from scratch (this task)": "sac",
+    "PPO from scratch (this task)": "ppo",
 }
-"""Table 3's variants and the baseline, as a person reads them."""
+"""Table 3's variants and the baselines, as a person reads them."""
 PROFILES = {
     "fast: minutes a stage": "fast",
     "paper: Table 2, hours": "paper",
@@ -135,7 +138,7 @@ def summary(configs: list[TrainingConfig], cost: Estimate) -> str:
     where = f" on <b>{html.escape(elsewhere)}</b>" if (elsewhere := other_scenario(first.scenario)) else ""
     stages = f"{cost.stages} stage{'s' * (cost.stages > 1)}"
     guide = html.escape(first.guide or natural_guide(first))
-    guided = "without a guide" if first.variant == "td3" else f"guided by <b>{guide}</b>"
+    guided = f"guided by <b>{guide}</b>" if CONFIGURED[first.variant].guided else "without a guide"
     early = ", less when a stage is learned early" if first.profile == "fast" else ""
     many = f"{cost.measured_runs} earlier run{'s' * (cost.measured_runs > 1)}"
     source = f"measured in {many}" if cost.measured_runs else "typical for one core"
