@@ -1,0 +1,172 @@
+"""`workbench reproduce`: the paper's Table 4 and Fig. 8, 9, 12 and 13 again, with what is missing trained first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+
+if TYPE_CHECKING:
+    from workbench.reproduce.plan import Plan
+    from workbench.reproduce.result_set import Flight, ResultSet
+    from workbench.reproduce.session import Report
+
+SEEDS_LIMIT = 100
+EPISODES_LIMIT = 1_000_000
+
+
+@dataclass(frozen=True)
+class Args:
+    """Reproduce the paper: train what is missing, evaluate it, write result sets and pictures, show ours beside theirs.
+
+    What is trained already, or is being trained, is used. After Ctrl-C nothing new is started; trainings go on in the
+    background, and the same command picks them up.
+    """
+
+    item: Annotated[
+        tyro.conf.Positional[Literal["table4", "fig8", "fig9", "fig12", "fig13", "all"]], tyro.conf.arg(metavar="ITEM")
+    ]
+    """table4, fig8 (ablations), fig9 (baselines), fig12 and fig13 (the shipped policies; no training), or all."""
+    profile: str = "fast"
+    """Settings of the trainings: fast, paper (Table 2 exactly) or smoke (seconds, to try things out)."""
+    seeds: int = 10
+    """How many trainings of each algorithm: seeds 0 to N-1."""
+    episodes: int = 1000
+    """Episodes behind every number."""
+    engine: str = "local"
+    """Where trainings run: local, as many at once as there are cores."""
+    out: Path | None = None
+    """Folder of the result sets (default: assets/results in a checkout, else results in the folder of the runs)."""
+    runs: Path = Path("runs")
+    """Folder of the runs."""
+    json: bool = False
+    """Print one JSON object."""
+
+
+def run(args: Args) -> int:
+    """Carry out the plan, draw, and show; returns 1 if something failed and 130 after Ctrl-C."""
+    from workbench.reproduce.session import Session
+    from workbench.reproduce.watch import Watch
+    from workbench.runs import RunStore
+
+    plans = plans_of(args)
+    watch = Watch()
+    flights = _flights() if any(plan.item == "fig12" for plan in plans) else ()
+    folder = results_folder(args) / args.profile
+    report = Session(plans, RunStore(args.runs), folder, flights).run(watch)
+    files = written(report.results, folder)
+    if args.json:
+        _print_json(report, files)
+    else:
+        _show(report, files)
+    if report.interrupted:
+        return 130
+    return 1 if report.failures else 0
+
+
+def _flights() -> Sequence[Flight]:
+    from workbench.progress import bar
+    from workbench.reproduce.azimuth_flights import MOST_EPISODES, shared_flights
+
+    with bar("an engagement that both policies win", "tried") as progress:
+        return shared_flights(lambda tried: progress(tried, MOST_EPISODES))
+
+
+def plans_of(args: Args) -> list[Plan]:
+    """The plans of what is asked for.
+
+    Raises:
+        UsageError: a number that is not legal, an unknown profile, or an engine that is not there.
+    """
+    from sim.errors import UsageError
+    from workbench.reproduce.plan import make_plan
+    from workbench.reproduce.protocol import ITEMS
+
+    if args.engine == "ray":
+        raise UsageError("--engine ray is not built yet; use --engine local")
+    if args.engine != "local":
+        raise UsageError(f"--engine is '{args.engine}'; legal is local")
+    if not 1 <= args.seeds <= SEEDS_LIMIT:
+        raise UsageError(
+            f"--seeds is {args.seeds}; legal are 1 to {SEEDS_LIMIT}, the number of trainings of each algorithm"
+        )
+    if not 1 <= args.episodes <= EPISODES_LIMIT:
+        raise UsageError(f"--episodes is {args.episodes}; legal are 1 to {EPISODES_LIMIT}")
+    items = ITEMS if args.item == "all" else (args.item,)
+    return [make_plan(item, args.profile, range(args.seeds), args.episodes) for item in items]
+
+
+def results_folder(args: Args) -> Path:
+    """Where result sets go; those of the smoke profile say nothing and are never put beside the committed ones."""
+    from workbench.reproduce.places import committed_results
+
+    beside = None if args.profile == "smoke" else committed_results()
+    return args.out or beside or args.runs / "results"
+
+
+def written(results: Mapping[str, ResultSet], folder: Path) -> dict[str, list[Path]]:
+    """Draw the pictures and write the document; files by item."""
+    from workbench.reproduce.document import refresh, report
+    from workbench.reproduce.pictures import draw
+    from workbench.reproduce.places import committed_results, document
+    from workbench.run_files import write_bytes
+
+    files = {}
+    for item, result in results.items():
+        picture = folder / f"{item}.png"
+        files[item] = [folder / f"{item}.json", *([picture] if draw(result, picture) else [])]
+    if folder.parent == committed_results():
+        refresh(document(), folder.parent)
+    else:
+        write_bytes(folder / "report.md", report(folder.parent, folder.name).encode())
+    return files
+
+
+def _print_json(report: Report, files: Mapping[str, Sequence[Path]]) -> None:
+    from workbench.terminal import print_json
+
+    print_json(
+        {
+            "items": {item: _summary(result, files[item]) for item, result in report.results.items()},
+            "failures": list(report.failures),
+            "interrupted": report.interrupted,
+        }
+    )
+
+
+def _summary(result: ResultSet, files: Sequence[Path]) -> dict[str, Any]:
+    from workbench.reproduce.points import POINTS, finding
+    from workbench.reproduce.scorecard import complete
+
+    points = []
+    for point in POINTS[result.item]:
+        verdict, here = finding(point, result) or (None, None)
+        points.append({"says": point.says, "where": point.where, "here": here, "holds": verdict})
+    return {
+        "complete": complete(result),
+        "files": [str(path) for path in files],
+        "points": points,
+        "numbers": len(result.numbers),
+        "trainings": len(result.trainings),
+        "left_out": list(result.left_out),
+    }
+
+
+def _show(report: Report, files: Mapping[str, Sequence[Path]]) -> None:
+    from workbench.reproduce.scorecard import scorecard
+    from workbench.terminal import print_table, print_warning
+
+    for item, result in report.results.items():
+        card = scorecard(result.item, result)
+        print(f"{card.title}\n")
+        for table in card.tables:
+            print_table(table.columns, table.rows, title=table.title)
+            print()
+        for note in card.notes:
+            print(note)
+        print(f"written to {', '.join(str(path) for path in files[item])}\n")
+    for sentence in report.failures:
+        print_warning(sentence)

@@ -1,0 +1,68 @@
+"""What a run's metrics say about each of its stages: how long it took, and its held-out evaluations as a curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+MOST_POINTS: Final = 100
+"""Points of one curve at most."""
+POINTS_OF_A_FILE: Final = 5_000
+"""Points of all curves of a file together, so that it stays small."""
+
+
+@dataclass(frozen=True)
+class StageRecord:
+    """One stage of a run."""
+
+    epochs: int
+    env_steps: int
+    wall_s: float
+    steps: tuple[int, ...]
+    """Environment steps of the stage at each held-out evaluation."""
+    success_rate: tuple[float, ...]
+    mean_return: tuple[float, ...]
+
+
+def stage_records(rows: Iterable[Mapping[str, Any]]) -> dict[str, StageRecord]:
+    """Stages by the name of their task.
+
+    Args:
+        rows: metrics rows of a run, oldest first.
+    """
+    by_task: dict[str, list[Mapping[str, Any]]] = {}
+    for row in rows:
+        by_task.setdefault(str(row["task"]), []).append(row)
+    return {task: _record(stage) for task, stage in by_task.items()}
+
+
+def _record(rows: Sequence[Mapping[str, Any]]) -> StageRecord:
+    last = rows[-1]
+    held_out = [row for row in rows if row.get("success_rate") is not None and row.get("return_mean") is not None]
+    return StageRecord(
+        epochs=int(last["epoch"]),
+        env_steps=int(last["env_steps"]),
+        wall_s=round(float(last.get("wall_s") or 0.0), 1),
+        steps=tuple(int(row["env_steps"]) for row in held_out),
+        success_rate=tuple(round(float(row["success_rate"]), 4) for row in held_out),
+        mean_return=tuple(round(float(row["return_mean"]), 1) for row in held_out),
+    )
+
+
+def points_per_curve(curves: int) -> int:
+    """How many points each of so many curves may have in one file."""
+    return max(min(MOST_POINTS, POINTS_OF_A_FILE // max(curves, 1)), 2)
+
+
+def thinned(record: StageRecord, points: int) -> StageRecord:
+    """The same stage with at most so many points, first and last included, evenly spread."""
+    if len(record.steps) <= points:
+        return record
+    keep = np.unique(np.linspace(0, len(record.steps) - 1, points).round().astype(int))
+    kept = {
+        name: tuple(getattr(record, name)[index] for index in keep) for name in ("steps", "success_rate", "mean_return")
+    }
+    return StageRecord(record.epochs, record.env_steps, record.wall_s, **kept)

@@ -1,0 +1,106 @@
+"""The trainings of a reproduction: found in the runs folder, started where they are missing, followed to their end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from agents.config import TrainingConfig
+from workbench.launcher import cpu_count, drain, launch
+from workbench.reproduce.assembly import Ended
+from workbench.reproduce.matching import Key, matching_runs, training_key
+from workbench.reproduce.plan import Plan
+from workbench.reproduce.protocol import LABELS
+from workbench.reproduce.provenance import file_digest
+from workbench.reproduce.stage_curves import stage_records
+from workbench.runs import Run, RunStore
+
+
+class Trainings:
+    """Every training that some plans ask for, each once."""
+
+    def __init__(self, plans: Sequence[Plan], store: RunStore, scenario_digest: str) -> None:
+        self.configs = {training_key(config): config for plan in plans for config in plan.trainings}
+        self.ended: dict[Key, Ended] = {}
+        self.alive: dict[Key, Run] = {}
+        """Queued or running."""
+        self._store = store
+        self._scenario_digest = scenario_digest
+        self._followed: dict[Key, str] = {}
+        """Runs seen alive in this session: these are not started a second time, however they end."""
+
+    @property
+    def missing(self) -> list[Key]:
+        """Those that have not ended and do not work."""
+        return [key for key in self.configs if key not in self.ended and key not in self.alive]
+
+    @property
+    def done(self) -> bool:
+        """Whether all have ended."""
+        return len(self.ended) == len(self.configs)
+
+    def busy(self) -> int:
+        """Trainings of this runs folder that work or wait, also those of nobody's plan."""
+        return sum(run.state.active for run in self._good_runs()) if self.configs else 0
+
+    def round(self) -> list[str]:
+        """Look what has ended, start what may start; a line about each that ended since the last round."""
+        if self.done:
+            return []
+        runs = matching_runs(self._store, self.missing + list(self.alive), self._scenario_digest)
+        self.alive = {key: run for key, run in runs.items() if run.state.active}
+        self._followed |= {key: run.id for key, run in self.alive.items()}
+        news = list(self._settle(runs))
+        self._start()
+        return news
+
+    def _settle(self, runs: dict[Key, Run]) -> Iterator[str]:
+        for key in self.missing:
+            run = runs.get(key)
+            if run is not None and run.state.state == "finished":
+                self.ended[key] = _finished(self.configs[key], run)
+            elif key in self._followed:
+                self.ended[key] = _failed(self.configs[key], run, self._followed[key])
+            if key in self.ended and key in self._followed:
+                yield self.ended[key].error or f"{words(self.configs[key])} is trained"
+
+    def _start(self) -> None:
+        """Start trainings while cores are free, no more: what others queue gets a turn, and Ctrl-C leaves no queue."""
+        drain(self._store)
+        free = max(cpu_count() - self.busy(), 0)
+        for key in self.missing[:free]:
+            self.alive[key] = launch(self._store, self.configs[key])
+            self._followed[key] = self.alive[key].id
+
+    def _good_runs(self) -> list[Run]:
+        return [run for run in self._store.list() if not run.problem]
+
+
+def words(config: TrainingConfig) -> str:
+    """A training in a few words."""
+    return f"{LABELS[config.variant]} seed {config.seed}"
+
+
+def _finished(config: TrainingConfig, run: Run) -> Ended:
+    files = sorted((run.path / "policies").glob("*.safetensors"))
+    return Ended(
+        variant=config.variant,
+        seed=config.seed,
+        state="finished",
+        run=run.id,
+        wall_s=run.state.wall_s,
+        stages=stage_records(run.metrics()),
+        policies={path.stem: file_digest(path) for path in files},
+    )
+
+
+def _failed(config: TrainingConfig, run: Run | None, run_id: str) -> Ended:
+    state = run.state if run else None
+    reason = "its folder is gone" if state is None else state.error or f"its training is {state.state}"
+    return Ended(
+        variant=config.variant,
+        seed=config.seed,
+        state=state.state if state else "failed",
+        run=run_id,
+        wall_s=state.wall_s if state else 0.0,
+        error=f"{words(config)}, run {run_id}: {reason}",
+    )
