@@ -16,6 +16,7 @@ SCREENS = {"panel", "bokeh", "viser", "rerun"}
 LOOK = """
 import importlib, json, pkgutil, random, sys, threading
 import numpy, psutil
+import rich.style  # draws a number of its own, and Stable-Baselines3 brings it along
 packages = sys.argv[1:]
 random.seed(1), numpy.random.seed(1)
 before = random.getstate(), numpy.random.get_state()[1].tolist()
