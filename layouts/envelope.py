@@ -103,7 +103,11 @@ def _page(title: str, caption: str, *, polar: bool) -> tuple[Figure, Axes]:
 
 
 def _rings_and_spokes(axes: PolarAxes, outmost_km: float) -> None:
-    rings = [ring for ring in MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0.0, outmost_km) if 0.0 < ring < 0.97 * outmost_km]
+    rings = [
+        ring
+        for ring in MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0.0, outmost_km)
+        if 0.0 < ring < 0.97 * outmost_km
+    ]
     axes.set_rlim(0.0, outmost_km)
     axes.set_rgrids(rings, [f"{ring:g} km" for ring in rings], angle=195.0)
     axes.set_thetagrids(range(0, 360, 30), [_side(degrees) for degrees in range(0, 360, 30)])

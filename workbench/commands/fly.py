@@ -24,8 +24,8 @@ class Args:
     seed: int = 0
     """Initial state: the same seed starts the same engagement for every policy and mask."""
     out: Path | None = None
-    """Write the engagement to this file: .csv or .parquet (a row per instant), .rrd (Rerun), .acmi or .zip.acmi (Tacview),
-    .png or .svg (a picture)."""
+    """Write the engagement to this file: .csv or .parquet (a row per instant), .rrd (Rerun), .acmi or .zip.acmi
+    (Tacview), .png or .svg (a picture)."""
     scenario: str = "default"
     """Scenario: a shipped name or a path to a scenario file."""
     runs: Path = Path("runs")
