@@ -54,9 +54,10 @@ def baseline_figure(panel: Panel, caption: str) -> Figure:
 def _curves(panels: Sequence[Panel], title: str, caption: str, size_in: tuple[float, float]) -> Figure:
     figure = sheet(title, caption, size_in)
     width, height = size_in
+    below_in = 0.68 + 0.18 * (caption.count("\n") + 1)
     grid = figure.add_gridspec(
         2, len(panels), left=0.75 / width, right=1.0 - 0.2 / width, top=1.0 - 1.0 / height,
-        bottom=1.15 / height, hspace=0.12, wspace=0.16,
+        bottom=below_in / height, hspace=0.12, wspace=0.16,
     )  # fmt: skip
     drawn: list[Axes] = []
     for column, panel in enumerate(panels):
@@ -88,7 +89,9 @@ def _draw(axes: Axes, bands: Sequence[Band]) -> None:
             axes.plot(steps[-1:] / 1e6, values[-1:], "o", color=colour, markersize=2.5, alpha=0.5)
         if np.isfinite(band.low).any():
             axes.fill_between(band.steps / 1e6, band.low, band.high, color=colour, alpha=0.16, linewidth=0)
-        axes.plot(band.steps / 1e6, band.value, color=colour, linewidth=2.0, solid_capstyle="round")
+        # A single evaluation has no line.
+        style = {"marker": "o"} if len(band.steps) == 1 else {}
+        axes.plot(band.steps / 1e6, band.value, color=colour, linewidth=2.0, solid_capstyle="round", **style)
 
 
 def _legend(figure: Figure, panels: Sequence[Panel], size_in: tuple[float, float]) -> None:

@@ -108,7 +108,7 @@ def _number(plan: Plan, ended: Mapping[Key, Ended], evaluation: Evaluation, figu
         env_steps=stage.env_steps if stage else None,
         wall_s=stage.wall_s if stage else None,
         run=run,
-        policy=evaluation.shown,
+        policy=wanted.policy,
         policy_digest=evaluation.digest,
         scenario_digest=figures["scenario_digest"],
         command=evaluation.command,
@@ -123,14 +123,13 @@ def _curves(plan: Plan, trainings: Sequence[Ended]) -> Iterator[Curve]:
         for variant, task in tasks
         if one.state == "finished" and variant == one.variant and task in one.stages
     ]
-    points = points_per_curve(len(tasks) * len(plan.seeds))
+    points = points_per_curve([len(one.stages[task].steps) for one, task in shown])
     for one, task in shown:
         stage = thinned(one.stages[task], points)
         yield Curve(
             variant=one.variant,
             task=task,
             seed=one.seed,
-            run=one.run,
             env_steps=stage.steps,
             success_rate=stage.success_rate,
             mean_return=stage.mean_return,

@@ -144,9 +144,9 @@ def _decay_is_slower(result: ResultSet) -> Finding:
         for variant in ("dec-pd", "dec-pr")
     }
     words = [f"{LABELS[v]} {points_text(easy)}, then {points_text(hard)}" for v, (easy, hard) in gaps.items()]
-    verdicts: list[Verdict] = [within(easy, CLOSE) for easy, _ in gaps.values()]
-    verdicts += [above(hard) for _, hard in gaps.values()]
-    return every(verdicts), f"SubMas-RL minus it in source task 3, then in the target task: {'; '.join(words)}"
+    early: list[Verdict] = [within(easy, CLOSE) for easy, _ in gaps.values()]
+    late: list[Verdict] = [above(hard) for _, hard in gaps.values()]
+    return every([*early, *late]), f"SubMas-RL minus it in source task 3, then in the target task: {'; '.join(words)}"
 
 
 def _only_submas_succeeds(result: ResultSet) -> Finding:

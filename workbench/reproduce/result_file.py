@@ -29,7 +29,8 @@ def to_text(result: ResultSet) -> str:
     head = {name: value for name, value in values.items() if name not in LISTS}
     lines = [f"  {json.dumps(name)}: {_compact(value)}" for name, value in sorted(head.items())]
     for name in LISTS:
-        rows = ",\n".join(f"    {_compact(row)}" for row in values[name])
+        # What is empty stands for itself.
+        rows = ",\n".join(f"    {_compact({key: v for key, v in row.items() if v != ''})}" for row in values[name])
         lines.append(f'  "{name}": [\n{rows}\n  ]' if rows else f'  "{name}": []')
     return "{\n" + ",\n".join(lines) + "\n}\n"
 

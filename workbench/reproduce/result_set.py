@@ -41,15 +41,15 @@ class Number:
     """Environment steps of those epochs."""
     wall_s: float | None
     """Working time of the stage's training [s]."""
-    run: str
-    """Run that trained the policy; empty for one that comes with the workbench."""
-    policy: str
-    """POLICY that flew, as commands take it."""
-    policy_digest: str
-    """Identifies the policy file; empty for a rule."""
     scenario_digest: str
     command: str
     """Command line that gives these figures."""
+    run: str = ""
+    """Run that trained the policy; empty for one that comes with the workbench."""
+    policy: str = ""
+    """POLICY that flew where it comes with the workbench; else that of the run's stage."""
+    policy_digest: str = ""
+    """Identifies the policy file; empty for a rule."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,6 @@ class Training:
     state: str
     """`finished`, `failed`, or how far it is."""
     run: str
-    """Empty while there is none."""
     wall_s: float
     """Working time of all stages [s]."""
     env_steps: int
@@ -79,7 +78,6 @@ class Curve:
     variant: str
     task: str
     seed: int
-    run: str
     env_steps: tuple[int, ...]
     success_rate: tuple[float, ...]
     mean_return: tuple[float, ...]
@@ -110,9 +108,9 @@ class Flight:
     """Share of the time with a missile in flight in which the closest one is within 15° of ±90°."""
     time_s: tuple[float, ...]
     missiles: tuple[MissileCurve, ...]
-    policy_digest: str
     scenario_digest: str
     command: str
+    policy_digest: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

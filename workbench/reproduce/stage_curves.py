@@ -10,7 +10,7 @@ import numpy as np
 
 MOST_POINTS: Final = 100
 """Points of one curve at most."""
-POINTS_OF_A_FILE: Final = 5_000
+POINTS_OF_A_FILE: Final = 3_200
 """Points of all curves of a file together, so that it stays small."""
 
 
@@ -47,14 +47,17 @@ def _record(rows: Sequence[Mapping[str, Any]]) -> StageRecord:
         env_steps=int(last["env_steps"]),
         wall_s=round(float(last.get("wall_s") or 0.0), 1),
         steps=tuple(int(row["env_steps"]) for row in held_out),
-        success_rate=tuple(round(float(row["success_rate"]), 4) for row in held_out),
-        mean_return=tuple(round(float(row["return_mean"]), 1) for row in held_out),
+        success_rate=tuple(round(float(row["success_rate"]), 3) for row in held_out),
+        mean_return=tuple(round(float(row["return_mean"])) for row in held_out),
     )
 
 
-def points_per_curve(curves: int) -> int:
-    """How many points each of so many curves may have in one file."""
-    return max(min(MOST_POINTS, POINTS_OF_A_FILE // max(curves, 1)), 2)
+def points_per_curve(lengths: Sequence[int]) -> int:
+    """How many points a curve may have in a file with curves of these lengths; short ones leave room for long ones."""
+    for points in range(MOST_POINTS, 2, -1):
+        if sum(min(length, points) for length in lengths) <= POINTS_OF_A_FILE:
+            return points
+    return 2
 
 
 def thinned(record: StageRecord, points: int) -> StageRecord:
