@@ -162,7 +162,8 @@ class LivePage:
             self._complain(f"Not all of this run can be shown: {watch.problem}.")
 
     def _update_buttons(self, run: Run, state: RunState) -> None:
-        self._fly.param.update(href=fly_address(run), disabled=run.policy_path() is None)
+        # Never disabled: the browser now and then missed that it was enabled again. Without a policy Fly says so.
+        self._fly.href = fly_address(run)
         asked = state.state == "running" and run.stop_requested()
         self._stop.disabled = asked or not state.active
         self._stop.label = "Stopping …" if asked else "Stop"
