@@ -35,6 +35,8 @@ from sim.task import Task
 from sim.world import Fate, Outcome, Step, World
 
 EVADER, INTERCEPTOR = 0, 1
+HELD = ("held_altitude", "held_speed")
+"""What the controllers of both aircraft hold, as `sim.world.World.aircraft` names it."""
 SHOTS = ("reach", "interval", "thrust", "drag", "navigation", "lag")
 """Factors drawn for every shot, in the order of the blocks of `sim.start.initial_states`."""
 
@@ -102,7 +104,7 @@ class ReferenceWorld:
         for name in ("fate", "steps", "outside", "outcome", "killer", "episode"):
             setattr(taken, name, state[name])
         taken.closest = world.closest.astype(float)
-        taken.held_altitude, taken.held_speed = np.moveaxis(state["aircraft"][..., 10:12], -1, 0).astype(float)
+        taken.held_altitude, taken.held_speed = (world.aircraft[name].astype(float) for name in HELD)
         taken.waited = np.round(state["since_launch"] / dt).astype(np.int64)
         rows = initial_states(world.task.scenario, world.seed, taken.episode).astype(float)
         taken._draw(np.arange(world.lanes), rows)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sim.device import start_warp
 from sim.errors import ActionError
-from sim.kernel.lane import IntRow, Row
+from sim.kernel.lane import AGE, AX, BANK, CLIMB, CLOSEST, CRUISE, HEADING, LEVEL, SPEED, VX, WIDTH, IntRow, Row, X
 from sim.kernel.model import kernel_model, kernel_state
 from sim.kernel.restart import reset_groups
 from sim.kernel.step import step_groups
@@ -25,8 +25,6 @@ from sim.task import Task
 
 TRACE_AIRCRAFT = 7
 TRACE_MISSILE = 8
-WIDTH = 16
-"""Lanes that one thread of the kernel moves together."""
 SHARED = ("available",)
 """Arrays of the kernel's state that belong to the task and not to a lane."""
 
@@ -163,8 +161,9 @@ class World:
         self._turns[: self.lanes] = np.asarray(actions, dtype=np.float32).reshape(self.lanes)
         if not np.isfinite(self._turns).all():
             lane = int(np.flatnonzero(~np.isfinite(self._turns))[0])
-            found, self._turns[lane] = self._turns[lane], 0.0
-            raise ActionError(f"the action of lane {lane} is {found}; legal is a finite turning angle in radians")
+            raise ActionError(
+                f"the action of lane {lane} is {self._turns[lane]}; legal is a finite turning angle in radians"
+            )
         if self.device == "cpu":
             self._host(self._action).ravel()[:] = self._turns
         else:
@@ -213,17 +212,18 @@ class World:
 
     @property
     def aircraft(self) -> dict[str, NDArray[np.float32]]:
-        """Evader and interceptor: position and velocity `[L, 2, 3]`; speed, climb, heading and bank `[L, 2]`."""
+        """Evader and interceptor: position, velocity `[L, 2, 3]`; speed, angles, held altitude and speed `[L, 2]`."""
         rows = self._lanes(self._state.aircraft)
-        scalars = {name: rows[..., 6 + c] for c, name in enumerate(("speed", "climb", "heading", "bank"))}
-        return {"position": rows[..., :3], "velocity": rows[..., 3:6], **scalars}
+        scalars = {"speed": SPEED, "climb": CLIMB, "heading": HEADING, "bank": BANK}
+        scalars |= {"held_altitude": LEVEL, "held_speed": CRUISE}
+        return _vectors(rows, position=X, velocity=VX) | {name: rows[..., row] for name, row in scalars.items()}
 
     @property
     def missiles(self) -> dict[str, NDArray[np.float32]]:
         """Missiles 1..M: position, velocity, lateral `[L, M, 3]`, age and closest `[L, M]`."""
         rows = self._lanes(self._state.missile)
-        vectors = {name: rows[..., 3 * c : 3 * c + 3] for c, name in enumerate(("position", "velocity", "lateral"))}
-        return {**vectors, "age": rows[..., 9], "closest": rows[..., 10]}
+        vectors = _vectors(rows, position=X, velocity=VX, lateral=AX)
+        return vectors | {"age": rows[..., AGE], "closest": rows[..., CLOSEST]}
 
     @property
     def bytes(self) -> int:
@@ -302,3 +302,8 @@ class World:
     def _number(self, count: int) -> NDArray[np.int64]:
         first, self._next_episode = self._next_episode, self._next_episode + count
         return np.arange(first, first + count)
+
+
+def _vectors(rows: NDArray, **first: int) -> dict[str, NDArray]:
+    """Vectors `[..., 3]` by name, out of three rows each from a first one on."""
+    return {name: rows[..., row : row + 3] for name, row in first.items()}

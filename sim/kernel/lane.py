@@ -16,8 +16,8 @@ OPTIONS = {"enable_backward": False, "max_unroll": 8, "cpu_compiler_flags": _FLA
 """Options of every module that holds a kernel."""
 
 WIDTH = wp.constant(16)
-Row = wp.types.vector(16, float)
-IntRow = wp.types.vector(16, int)
+Row = wp.types.vector(WIDTH, float)
+IntRow = wp.types.vector(WIDTH, int)
 
 X = wp.constant(0)  # rows of Aircraft and of Missile: position [m]
 Y = wp.constant(1)
@@ -32,7 +32,8 @@ BANK = wp.constant(9)
 LEVEL = wp.constant(10)
 CRUISE = wp.constant(11)
 CARRY = wp.constant(12)  # x, y, z of what float32 could not hold of the position [m]
-AircraftRows = wp.types.matrix((15, 16), float)
+AIRCRAFT_ROWS = wp.constant(15)
+AircraftRows = wp.types.matrix((AIRCRAFT_ROWS, WIDTH), float)
 
 AX = wp.constant(6)  # rows of Missile: lateral acceleration [m/s^2], age [s], smallest distance so far [m]
 AY = wp.constant(7)
@@ -47,7 +48,8 @@ NAVIGATION = wp.constant(15)
 RESPONSE = wp.constant(16)
 MISS = wp.constant(17)  # smallest distance in the last substep [m]
 CARRIED = wp.constant(18)  # x, y, z as in CARRY
-MissileRows = wp.types.matrix((21, 16), float)
+MISSILE_ROWS = wp.constant(21)
+MissileRows = wp.types.matrix((MISSILE_ROWS, WIDTH), float)
 
 UNLAUNCHED = wp.constant(0)  # the values of sim.world.Fate
 IN_FLIGHT = wp.constant(1)

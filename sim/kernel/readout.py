@@ -27,8 +27,8 @@ from sim.kernel.physics import turn_to
 NO_RANGE = wp.constant(-1.0)  # observation.UNLAUNCHED, written exactly so that Eq. (13) can compare exactly
 NO_AZIMUTH = wp.constant(-3.14159265358979)
 
-OwnRows = wp.types.matrix((7, 16), float)  # the columns every task has
-SightRows = wp.types.matrix((2, 16), float)  # range [m] and azimuth [rad] of a missile
+OwnRows = wp.types.matrix((7, WIDTH), float)  # the columns every task has
+SightRows = wp.types.matrix((2, WIDTH), float)  # range [m] and azimuth [rad] of a missile
 
 
 @wp.func

@@ -13,6 +13,7 @@ from sim.kernel.lane import (
     HEADING,
     INTERVAL,
     LEVEL,
+    MISSILE_ROWS,
     NAVIGATION,
     OPTIONS,
     REACH,
@@ -45,7 +46,7 @@ def draw_shot(
     """Missile rows in which one lane holds a fresh missile with the draws of its shot; see `sim.start`."""
     out = m
     missiles = (start.shape[1] - 10) / 6
-    for c in range(21):
+    for c in range(MISSILE_ROWS):
         out[c, j] = 0.0
     out[CLOSEST, j] = wp.inf
     out[REACH, j] = start[lane, 10 + shot]

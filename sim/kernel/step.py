@@ -19,6 +19,7 @@ from sim.kernel.formation import (
     turns_to,
 )  # fmt: skip
 from sim.kernel.lane import (
+    AIRCRAFT_ROWS,
     CRUISE,
     EXIT,
     FLYING,
@@ -138,7 +139,7 @@ def close_step(
             out[j] = NOT_FINITE
             for c in range(state.fate.shape[1] + 2):
                 terms[lane, c] = 0.0
-            for c in range(15):
+            for c in range(AIRCRAFT_ROWS):
                 kept_e[c, j] = was_e[c, j]
                 kept_i[c, j] = was_i[c, j]
     state.aircraft[g, 0] = kept_e
