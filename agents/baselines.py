@@ -40,6 +40,7 @@ class BaselineState:
     best: NetworkPolicy | None = None
     best_evaluation: Evaluation | None = None
     started: float = field(default_factory=time.perf_counter)
+    cpu_started: float = field(default_factory=time.process_time)
     alpha: None = None
     epsilon: None = None
     beta: None = None

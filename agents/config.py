@@ -112,11 +112,11 @@ class TrainingConfig:
     def hyperparameters(self) -> Hyperparameters:
         """Numbers of the chosen profile.
 
-        SAC and PPO get as many epochs as the whole curriculum up to their task may take. Only `paper` leaves them the
-        epochs of one stage, as in Fig. 9.
+        Who learns from scratch gets as many epochs as the whole curriculum up to the task may take. Only `paper` leaves
+        it the epochs of one stage, as in Fig. 9.
         """
         hyper = PROFILES[self.profile]
-        if not VARIANTS[self.variant].from_library or self.profile == "paper":
+        if VARIANTS[self.variant].guided or self.curriculum or self.profile == "paper":
             return hyper
         return dataclasses.replace(hyper, epochs=self.missiles * hyper.epochs)
 

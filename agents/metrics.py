@@ -74,5 +74,6 @@ def _speed(stage: Stage, state: TrainingState) -> dict[str, Any]:
         "updates_per_s": state.counts.updates / epoch_s,
         "env_steps_per_s": state.counts.steps / epoch_s,
         "wall_s": stage_s,
+        "cpu_s": time.process_time() - state.cpu_started,
         "eta_s": stage_s / max(state.epoch, 1) * left,
     }

@@ -82,6 +82,7 @@ class TrainingState:
     best: NetworkPolicy | None = None
     best_evaluation: Evaluation | None = None
     started: float = field(default_factory=time.perf_counter)
+    cpu_started: float = field(default_factory=time.process_time)
 
 
 def start_stage(stage: Stage) -> TrainingState:

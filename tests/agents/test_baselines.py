@@ -144,12 +144,13 @@ def test_a_seed_trains_the_same_policy_again(variant: str) -> None:
     ]
 
 
-def test_the_budget_is_that_of_the_whole_curriculum_but_in_the_papers_profile() -> None:
-    for variant in BASELINES:
+def test_from_scratch_the_budget_is_that_of_the_whole_curriculum_but_in_the_papers_profile() -> None:
+    for variant in (*BASELINES, "td3"):
         budget = {name: TrainingConfig(variant=variant, profile=name).hyperparameters.epochs for name in PROFILES}  # type: ignore[arg-type]
         assert budget == {"paper": 300, "fast": 4 * PROFILES["fast"].epochs, "smoke": 4 * PROFILES["smoke"].epochs}
     assert TrainingConfig(variant="sac", missiles=2).hyperparameters.epochs == 2 * PROFILES["fast"].epochs
-    assert TrainingConfig(variant="td3").hyperparameters is PROFILES["fast"]
+    for config in (TrainingConfig(), TrainingConfig(variant="wo-pr"), TrainingConfig(variant="td3", curriculum=True)):
+        assert config.hyperparameters is PROFILES["fast"]
 
 
 REFUSED = [

@@ -101,7 +101,7 @@ def test_rows_hold_the_agreed_keys_and_plain_values() -> None:
     assert set(row) == {
         "stage", "stages", "task", "missiles", "epoch", "epochs", "env_steps", "updates", "alpha", "epsilon", "beta",
         "return_mean", "success_rate", "train_success_rate", "train_return_mean", "length_mean_s", "transfer_share",
-        "critic_loss", "actor_loss", "q_mean", "updates_per_s", "env_steps_per_s", "wall_s", "eta_s",
+        "critic_loss", "actor_loss", "q_mean", "updates_per_s", "env_steps_per_s", "wall_s", "cpu_s", "eta_s",
     }  # fmt: skip
     assert all(type(value) in (int, float, str, list, type(None)) for value in row.values())
     assert row["env_steps"] == 200 and 0.0 <= row["transfer_share"] <= 1.0

@@ -80,6 +80,7 @@ def _training(plan: Plan, one: Ended) -> Training:
         state=one.state,
         run=one.run,
         wall_s=round(one.wall_s, 1),
+        cpu_s=round(sum(stage.cpu_s for stage in one.stages.values()), 1),
         env_steps=sum(stage.env_steps for stage in one.stages.values()),
         command=command,
         error=one.error,

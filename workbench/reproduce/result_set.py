@@ -62,7 +62,9 @@ class Training:
     """`finished`, `failed`, or how far it is."""
     run: str
     wall_s: float
-    """Working time of all stages [s]."""
+    """Working time of all stages, as the clock has it [s]."""
+    cpu_s: float
+    """Processor time of all stages [s]: the time on one core of a machine with nothing else to do."""
     env_steps: int
     """Environment steps of all stages."""
     command: str

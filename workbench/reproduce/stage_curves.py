@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -21,6 +22,8 @@ class StageRecord:
     epochs: int
     env_steps: int
     wall_s: float
+    cpu_s: float
+    """Processor time; on a busy machine it says more about the work than the clock does [s]."""
     steps: tuple[int, ...]
     """Environment steps of the stage at each held-out evaluation."""
     success_rate: tuple[float, ...]
@@ -46,6 +49,7 @@ def _record(rows: Sequence[Mapping[str, Any]]) -> StageRecord:
         epochs=int(last["epoch"]),
         env_steps=int(last["env_steps"]),
         wall_s=round(float(last.get("wall_s") or 0.0), 1),
+        cpu_s=round(float(last.get("cpu_s") or 0.0), 1),
         steps=tuple(int(row["env_steps"]) for row in held_out),
         success_rate=tuple(round(float(row["success_rate"]), 3) for row in held_out),
         mean_return=tuple(round(float(row["return_mean"])) for row in held_out),
@@ -68,4 +72,4 @@ def thinned(record: StageRecord, points: int) -> StageRecord:
     kept = {
         name: tuple(getattr(record, name)[index] for index in keep) for name in ("steps", "success_rate", "mean_return")
     }
-    return StageRecord(record.epochs, record.env_steps, record.wall_s, **kept)
+    return dataclasses.replace(record, **kept)

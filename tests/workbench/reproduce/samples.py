@@ -30,7 +30,7 @@ def made(
     trainings = [
         Training(
             variant=config.variant, seed=config.seed, state="finished", run=run_id(config.variant, config.seed),
-            wall_s=1234.5, env_steps=3_276_800,
+            wall_s=1234.5, cpu_s=987.5, env_steps=3_276_800,
             command=f"workbench train --curriculum --variant {config.variant} --profile fast --seeds {config.seed}",
         )
         for config in plan.trainings

@@ -13,8 +13,8 @@ from workbench.reproduce.stage_curves import MOST_POINTS, StageRecord, points_pe
 
 def row(task: str, epoch: int, success: float | None, mean_return: float | None = 1.0) -> dict[str, object]:
     return {
-        "task": task, "epoch": epoch, "env_steps": 1000 * epoch, "wall_s": 2.5 * epoch, "success_rate": success,
-        "return_mean": mean_return if success is not None else None,
+        "task": task, "epoch": epoch, "env_steps": 1000 * epoch, "wall_s": 2.5 * epoch, "cpu_s": 2.0 * epoch,
+        "success_rate": success, "return_mean": mean_return if success is not None else None,
     }  # fmt: skip
 
 
@@ -22,7 +22,7 @@ def test_stages_end_with_their_last_row_and_keep_what_was_held_out() -> None:
     rows = [row("source-3", 1, None), row("source-3", 2, 0.51, 10.0), row("source-3", 3, None), row("target", 1, 0.25)]
     stages = stage_records(rows)
     assert list(stages) == ["source-3", "target"]
-    assert stages["source-3"] == StageRecord(3, 3000, 7.5, (2000,), (0.51,), (10.0,))
+    assert stages["source-3"] == StageRecord(3, 3000, 7.5, 6.0, (2000,), (0.51,), (10.0,))
     assert stages["target"].epochs == 1
 
 
@@ -32,7 +32,7 @@ def test_a_run_without_rows_has_no_stages() -> None:
 
 def long_stage(points: int) -> StageRecord:
     steps = tuple(range(1, points + 1))
-    return StageRecord(points, points, 1.0, steps, tuple(step / points for step in steps), (0.0,) * points)
+    return StageRecord(points, points, 1.0, 1.0, steps, tuple(step / points for step in steps), (0.0,) * points)
 
 
 @pytest.mark.parametrize("points", [2, 7, 100])
