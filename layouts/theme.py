@@ -15,6 +15,8 @@ Mode = Literal["dark", "light"]
 # the page changes between dark and light.
 POLICY_A = "#2f86ff"
 POLICY_B = "#e08a00"
+BRANCH = "#ac39ac"
+"""A branch of either flight. Searched: whatever the colour vision, it is not taken for a policy or the interceptor."""
 INTERCEPTOR = "#e5414d"
 # The second four were searched: whatever the colour vision, none looks more like another ink of a missile than the
 # first four look like each other. As curves they are dashed besides, so that colour never tells alone.
