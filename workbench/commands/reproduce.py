@@ -12,6 +12,7 @@ import tyro
 if TYPE_CHECKING:
     from workbench.reproduce.plan import Plan
     from workbench.reproduce.result_set import Flight, ResultSet
+    from workbench.reproduce.seed_counts import SeedCounts
     from workbench.reproduce.session import Report
 
 SEEDS_LIMIT = 100
@@ -34,6 +35,10 @@ class Args:
     """Settings of the trainings: fast, paper (Table 2 exactly) or smoke (seconds, to try things out)."""
     seeds: int = 10
     """How many trainings of each algorithm: seeds 0 to N-1."""
+    seeds_submas: int | None = None
+    """How many of SubMas-RL (default: as --seeds)."""
+    seeds_baselines: int | None = None
+    """How many of each of TD3, SAC and PPO, which take longest (default: as --seeds)."""
     episodes: int = 1000
     """Episodes behind every number."""
     engine: str = "local"
@@ -89,14 +94,23 @@ def plans_of(args: Args) -> list[Plan]:
         raise UsageError("--engine ray is not built yet; use --engine local")
     if args.engine != "local":
         raise UsageError(f"--engine is '{args.engine}'; legal is local")
-    if not 1 <= args.seeds <= SEEDS_LIMIT:
-        raise UsageError(
-            f"--seeds is {args.seeds}; legal are 1 to {SEEDS_LIMIT}, the number of trainings of each algorithm"
-        )
     if not 1 <= args.episodes <= EPISODES_LIMIT:
         raise UsageError(f"--episodes is {args.episodes}; legal are 1 to {EPISODES_LIMIT}")
     items = ITEMS if args.item == "all" else (args.item,)
-    return [make_plan(item, args.profile, range(args.seeds), args.episodes) for item in items]
+    return [make_plan(item, args.profile, _seed_counts(args), args.episodes) for item in items]
+
+
+def _seed_counts(args: Args) -> SeedCounts:
+    from sim.errors import UsageError
+    from workbench.reproduce.seed_counts import SeedCounts
+
+    given = {"--seeds": args.seeds, "--seeds-submas": args.seeds_submas, "--seeds-baselines": args.seeds_baselines}
+    for option, count in given.items():
+        if count is not None and not 1 <= count <= SEEDS_LIMIT:
+            raise UsageError(
+                f"{option} is {count}; legal are 1 to {SEEDS_LIMIT}, the number of trainings of each algorithm"
+            )
+    return SeedCounts(*(args.seeds if count is None else count for count in given.values()))
 
 
 def results_folder(args: Args) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -60,7 +61,8 @@ def assemble(
         scenario=SCENARIO,
         scenario_digest=origin.scenario_digest,
         episodes=plan.episodes,
-        seeds=plan.seeds,
+        seeds=tuple(sorted({config.seed for config in plan.trainings})),
+        seed_counts=_seed_counts(plan),
         command=plan.command,
         code_version=origin.code_version,
         source_digest=origin.source_digest,
@@ -70,6 +72,12 @@ def assemble(
         curves=tuple(_curves(plan, mine)) if plan.item in CURVED else (),
         flights=tuple(flights),
     )
+
+
+def _seed_counts(plan: Plan) -> dict[str, int]:
+    """Trainings by algorithm, where they are not all asked for with the same number of seeds."""
+    counts = Counter(str(config.variant) for config in plan.trainings)
+    return dict(counts) if len(set(counts.values())) > 1 else {}
 
 
 def _training(plan: Plan, one: Ended) -> Training:

@@ -19,6 +19,7 @@ from workbench.reproduce.protocol import (
     Item,
     Purpose,
 )
+from workbench.reproduce.seed_counts import SeedCounts
 
 MISSILES = 4
 """Missiles of the paper's target task."""
@@ -58,7 +59,7 @@ class Plan:
 
     item: Item
     profile: str
-    seeds: tuple[int, ...]
+    seeds: SeedCounts
     episodes: int
     trainings: tuple[TrainingConfig, ...]
     """Seed by seed, so that after a while there is something of every algorithm."""
@@ -70,27 +71,26 @@ class Plan:
     def command(self) -> str:
         """Command line that carries this plan out."""
         words = [f"workbench reproduce {self.item}"]
-        words += [f"--profile {self.profile} --seeds {len(self.seeds)}"] if self.trainings else []
+        words += [f"--profile {self.profile} {self.seeds.options}"] if self.trainings else []
         words += [f"--episodes {self.episodes}"] if self.episodes != EPISODES else []
         return " ".join(words)
 
 
-def make_plan(item: Item, profile: str, seeds: Sequence[int], episodes: int) -> Plan:
-    """Trainings and evaluations of one item.
+def make_plan(item: Item, profile: str, seeds: SeedCounts, episodes: int) -> Plan:
+    """Trainings and evaluations of one item; `seeds` says how many trainings of which algorithm.
 
     Raises:
         ConfigError: the profile is unknown, or a seed is out of range.
     """
     known = [variant for variant in TRAINED_FOR[item] if variant in VARIANTS]
-    seeds = seeds if TRAINED_FOR[item] else ()
     left_out = [
         f"{LABELS[variant]} is not run: this version cannot train it"
         for variant in TRAINED_FOR[item]
         if variant not in VARIANTS
     ]
-    trainings = tuple(training_of(variant, profile, seed) for seed in seeds for variant in known)
-    wanted = tuple(_wanted(item, known, seeds))
-    return Plan(item, profile, tuple(seeds), episodes, trainings, wanted, tuple(left_out))
+    pairs = list(_pairs(known, seeds))
+    trainings = tuple(training_of(variant, profile, seed) for variant, seed in pairs)
+    return Plan(item, profile, seeds, episodes, trainings, tuple(_wanted(item, pairs)), tuple(left_out))
 
 
 def training_of(variant: str, profile: str, seed: int) -> TrainingConfig:
@@ -100,17 +100,22 @@ def training_of(variant: str, profile: str, seed: int) -> TrainingConfig:
     return TrainingConfig.from_json({**values, "curriculum": curriculum})
 
 
-def _wanted(item: Item, variants: Sequence[str], seeds: Sequence[int]) -> Iterator[Wanted]:
+def _pairs(variants: Sequence[str], seeds: SeedCounts) -> Iterator[tuple[str, int]]:
+    """Algorithm and seed, seed by seed."""
+    for seed in range(max((seeds.of(variant) for variant in variants), default=0)):
+        yield from ((variant, seed) for variant in variants if seed < seeds.of(variant))
+
+
+def _wanted(item: Item, pairs: Sequence[tuple[str, int]]) -> Iterator[Wanted]:
     if item == "fig13":
         yield from _both_policies()
-    for seed in seeds:
-        for variant in variants:
-            # Fig. 8 has a panel for each task that is trained; a baseline knows the target task alone.
-            tasks = CHAIN[1:] if item == "fig8" and variant not in BASELINES else CHAIN[-1:]
-            for task in tasks:
-                yield Wanted(variant, task, "report", seed)
-            if item == "table4":
-                yield Wanted(variant, "target", "selection", seed)
+    for variant, seed in pairs:
+        # Fig. 8 has a panel for each task that is trained; a baseline knows the target task alone.
+        tasks = CHAIN[1:] if item == "fig8" and variant not in BASELINES else CHAIN[-1:]
+        for task in tasks:
+            yield Wanted(variant, task, "report", seed)
+        if item == "table4":
+            yield Wanted(variant, "target", "selection", seed)
 
 
 def _both_policies() -> Iterator[Wanted]:

@@ -17,6 +17,8 @@ SIZE_LIMIT: Final = 2_000_000
 """Largest file that is read [bytes]; a full one of ten seeds has less than 200 000."""
 ITEM_NAMES: Final = get_args(Item)
 LISTS: Final = ("trainings", "numbers", "curves", "flights")
+OPTIONAL: Final = ("seed_counts",)
+"""Left out of the file where they say nothing."""
 
 
 class ResultSetError(SubMasError):
@@ -26,7 +28,7 @@ class ResultSetError(SubMasError):
 def to_text(result: ResultSet) -> str:
     """The file's text: a line for every number, curve and flight, so that two versions compare line by line."""
     values = strict(dataclasses.asdict(result))
-    head = {name: value for name, value in values.items() if name not in LISTS}
+    head = {n: value for n, value in values.items() if n not in LISTS and (value or n not in OPTIONAL)}
     lines = [f"  {json.dumps(name)}: {_compact(value)}" for name, value in sorted(head.items())]
     for name in LISTS:
         # What is empty stands for itself.

@@ -6,7 +6,7 @@ Pages, pictures and documents draw from result sets alone; none of them computes
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from workbench.reproduce.protocol import Item, Purpose
@@ -125,7 +125,7 @@ class ResultSet:
     scenario_digest: str
     episodes: int
     seeds: tuple[int, ...]
-    """Seeds that were asked for; `trainings` says which of them are there."""
+    """All seeds that were asked for; `trainings` says which of them are there."""
     command: str
     """Command line that makes this file."""
     code_version: str
@@ -136,7 +136,13 @@ class ResultSet:
     numbers: tuple[Number, ...] = ()
     curves: tuple[Curve, ...] = ()
     flights: tuple[Flight, ...] = ()
+    seed_counts: Mapping[str, int] = field(default_factory=dict)
+    """Trainings that were asked for by algorithm; one that is not named was asked for with all seeds."""
     schema: int = SCHEMA
+
+    def asked_for(self, variant: str) -> int:
+        """Trainings of one algorithm that were asked for."""
+        return self.seed_counts.get(variant, len(self.seeds))
 
     def number(self, variant: str, task: str, seed: int | None, purpose: Purpose = "report") -> Number | None:
         """The number of one policy on one task, or None while it is not there."""

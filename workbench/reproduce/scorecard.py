@@ -53,7 +53,7 @@ def complete(result: ResultSet) -> bool:
     if result.item == "fig13":
         return all(result.reported(variant, task) for variant in ("submas", "expert") for task in CHAIN)
     return not result.left_out and all(
-        len(result.reported(variant, "target")) == len(result.seeds) for variant in TRAINED_FOR[result.item]
+        len(result.reported(variant, "target")) == result.asked_for(variant) for variant in TRAINED_FOR[result.item]
     )
 
 
@@ -107,8 +107,7 @@ def _notes(item: Item, result: ResultSet | None) -> Iterator[str]:
     yield f"Made by `{result.command}`: {_flown(result)}."
     variants = TRAINED_FOR[item]
     if variants:
-        counts = ", ".join(f"{LABELS[variant]} {seeds_there(result, variant)}" for variant in variants)
-        yield f"Seeds trained, of {len(result.seeds)} asked for: {counts}."
+        yield f"Seeds trained, of {_seeds_trained(result, variants)}."
         if 0 < max(seeds_there(result, variant) for variant in variants) < 10:
             yield "The paper has ten seeds; with fewer, bootstrap intervals are too narrow."
     if item == "fig9" and result.trainings:
@@ -117,6 +116,15 @@ def _notes(item: Item, result: ResultSet | None) -> Iterator[str]:
     for training in result.trainings:
         if training.error:
             yield f"Not trained: {training.error}."
+
+
+def _seeds_trained(result: ResultSet, variants: Sequence[str]) -> str:
+    there = {variant: seeds_there(result, variant) for variant in variants}
+    if not result.seed_counts:
+        counts = ", ".join(f"{LABELS[variant]} {count}" for variant, count in there.items())
+        return f"{len(result.seeds)} asked for: {counts}"
+    counts = ", ".join(f"{LABELS[v]} {count} of {result.asked_for(v)}" for v, count in there.items())
+    return f"those asked for: {counts}"
 
 
 def _steps(result: ResultSet) -> str:

@@ -8,6 +8,7 @@ from agents.evaluation import wilson_interval
 from workbench.reproduce.plan import make_plan
 from workbench.reproduce.protocol import EPISODES, Item
 from workbench.reproduce.result_set import Curve, Flight, MissileCurve, Number, ResultSet, Training
+from workbench.reproduce.seed_counts import SeedCounts
 
 Success = Callable[[str, str, int, str], float]
 """Variant, task, seed and purpose -> success rate."""
@@ -21,7 +22,7 @@ def made(
     item: Item, seeds: int = 10, success: Success = perfect, points: int = 3, without: Sequence[str] = ()
 ) -> ResultSet:
     """A result set with a number for all that the item asks for, without some algorithms."""
-    plan = make_plan(item, "fast", range(seeds), EPISODES)
+    plan = make_plan(item, "fast", SeedCounts.each(seeds), EPISODES)
     wanted = [one for one in plan.wanted if one.variant not in without]
     numbers = [
         number(one.variant, one.task, one.seed, one.purpose, success(one.variant, one.task, one.seed or 0, one.purpose))
@@ -48,8 +49,8 @@ def made(
     ]  # fmt: skip
     return ResultSet(
         item=item, profile="fast", scenario="default", scenario_digest="0123456789ab", episodes=EPISODES,
-        seeds=plan.seeds, command=plan.command, code_version="0.1.0", source_digest="ba9876543210",
-        left_out=plan.left_out, trainings=tuple(trainings), numbers=tuple(numbers), curves=tuple(curves),
+        seeds=tuple(range(seeds)) if plan.trainings else (), command=plan.command, code_version="0.1.0",
+        source_digest="ba9876543210", left_out=plan.left_out, trainings=tuple(trainings), numbers=tuple(numbers), curves=tuple(curves),
         flights=tuple(flight(variant) for variant in ("submas", "expert")) if item == "fig12" else (),
     )  # fmt: skip
 

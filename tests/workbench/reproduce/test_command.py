@@ -27,6 +27,10 @@ def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
         ("table4 --engine ray", "--engine ray is not built yet; use --engine local"),
         ("table4 --engine cloud", "--engine is 'cloud'; legal is local"),
         ("table4 --seeds 0", "--seeds is 0; legal are 1 to 100, the number of trainings of each algorithm"),
+        (
+            "table4 --seeds-baselines 101",
+            "--seeds-baselines is 101; legal are 1 to 100, the number of trainings of each algorithm",
+        ),
         ("table4 --episodes 0", "--episodes is 0; legal are 1 to 1000000"),
         ("fig8 --profile slow", "profile 'slow' is unknown; choose paper, fast, smoke"),
     ],

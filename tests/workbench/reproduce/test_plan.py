@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import pytest
+import tyro
 
 from agents.config import TrainingConfig
 from agents.stage import FINAL_SEEDS, HELD_OUT_SEEDS, TRAINING_SEEDS
 from sim.task import Task, task_for
+from workbench.commands.reproduce import Args, plans_of
 from workbench.reproduce import plan as planning
 from workbench.reproduce.matching import training_key
 from workbench.reproduce.plan import CHAIN, make_plan, training_of
-from workbench.reproduce.protocol import REPORT_SEED, SELECTION_SEED
+from workbench.reproduce.protocol import REPORT_SEED, SELECTION_SEED, TRAINED_FOR
+from workbench.reproduce.seed_counts import SeedCounts
 
-SMALL = (0, 1, 2)
+SMALL = SeedCounts.each(3)
 
 
 def test_table_4_needs_five_chains_and_three_trainings_from_scratch_for_each_seed() -> None:
@@ -50,7 +53,7 @@ def test_table_4_trains_nothing_that_the_figures_do_not_need() -> None:
 
 def test_fig_13_needs_five_tasks_and_two_policies_and_no_training() -> None:
     plan = make_plan("fig13", "fast", SMALL, 1000)
-    assert not plan.trainings and not plan.seeds
+    assert not plan.trainings
     own = {wanted.task: wanted.policy for wanted in plan.wanted if wanted.variant == "submas"}
     assert own == {"source-4": "expert-navigation", **{task: f"submas-{task}" for task in CHAIN[1:]}}
     assert sum(wanted.policy == "expert-dragging" for wanted in plan.wanted) == 5
@@ -59,7 +62,7 @@ def test_fig_13_needs_five_tasks_and_two_policies_and_no_training() -> None:
 
 @pytest.mark.parametrize("task", CHAIN)
 def test_masks_make_the_tasks_of_table_1(task: str) -> None:
-    (wanted, *_) = [wanted for wanted in make_plan("fig13", "fast", (), 1).wanted if wanted.task == task]
+    (wanted, *_) = [wanted for wanted in make_plan("fig13", "fast", SMALL, 1).wanted if wanted.task == task]
     assert Task(task_for().scenario, frozenset(wanted.mask)).name == task
 
 
@@ -108,3 +111,29 @@ def test_equal_trainings_are_one() -> None:
     assert training_key(chain) != training_key(changed(chain, guide="expert-dragging"))
     # Nothing is learned from the guide of a training from scratch.
     assert training_key(scratch) == training_key(changed(scratch, guide="expert-navigation"))
+
+
+UNEQUAL = SeedCounts(ablations=2, submas=3, baselines=1)
+
+
+def test_algorithms_may_have_different_numbers_of_seeds() -> None:
+    plan = make_plan("table4", "fast", UNEQUAL, 1000)
+    counts = {variant: sum(config.variant == variant for config in plan.trainings) for variant in TRAINED_FOR["table4"]}
+    ablations = dict.fromkeys(("wo-pd", "wo-pr", "dec-pd", "dec-pr"), 2)
+    assert counts == {"submas": 3, **ablations, "td3": 1, "ppo": 1, "sac": 1}
+    assert [config.seed for config in plan.trainings] == sorted(config.seed for config in plan.trainings)
+    assert {(w.variant, w.seed) for w in plan.wanted} == {(c.variant, c.seed) for c in plan.trainings}
+
+
+@pytest.mark.parametrize(
+    ("counts", "options"),
+    [
+        (SeedCounts.each(5), "--seeds 5"),
+        (UNEQUAL, "--seeds 2 --seeds-submas 3 --seeds-baselines 1"),
+        (SeedCounts(5, 10, 5), "--seeds 5 --seeds-submas 10"),
+    ],
+)
+def test_the_command_says_how_many_seeds_of_which(counts: SeedCounts, options: str) -> None:
+    assert make_plan("table4", "fast", counts, 1000).command == f"workbench reproduce table4 --profile fast {options}"
+    args = tyro.cli(Args, args=["table4", *options.split()])
+    assert [plan.seeds for plan in plans_of(args)] == [counts]

@@ -19,6 +19,7 @@ from workbench.reproduce.plan import make_plan, training_of
 from workbench.reproduce.protocol import Item
 from workbench.reproduce.result_file import load
 from workbench.reproduce.result_set import ResultSet
+from workbench.reproduce.seed_counts import SeedCounts
 from workbench.reproduce.session import BusyError, Report, Session
 from workbench.reproduce.watch import Standing, Watch
 from workbench.run_files import take_lock
@@ -74,7 +75,7 @@ class Quiet(Watch):
 
 
 def reproduce(store: RunStore, item: Item = "fig9", seeds: int = 1, watch: Watch | None = None) -> Report:
-    plan = make_plan(item, "smoke", range(seeds), 100)
+    plan = make_plan(item, "smoke", SeedCounts.each(seeds), 100)
     return Session([plan], store, store.root / "results", ()).run(watch or Quiet())
 
 
