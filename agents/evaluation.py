@@ -46,6 +46,8 @@ class EpisodeResults:
     """Decision steps flown."""
     solved: IntArray
     """Subtasks solved (missiles evaded)."""
+    closest_m: FloatArray
+    """Smallest distance of any missile [m]; infinite where none was launched, or the domain knows no distance."""
 
     @property
     def success(self) -> BoolArray:
@@ -174,7 +176,8 @@ class _Record:
     def __init__(self, first_episode: int, episodes: int) -> None:
         whole = {name: np.zeros(episodes, np.int64) for name in ("outcome", "killer", "steps", "solved")}
         numbers = first_episode + np.arange(episodes)
-        self.results = EpisodeResults(episode=numbers, episode_return=np.zeros(episodes, np.float32), **whole)
+        returns, closest_m = np.zeros(episodes, np.float32), np.full(episodes, np.inf, np.float32)
+        self.results = EpisodeResults(episode=numbers, episode_return=returns, closest_m=closest_m, **whole)
         self.done = 0
 
     def finish(self, index: IntArray, over: BoolArray, world: TaskWorld, lane_return: FloatArray) -> None:
@@ -184,6 +187,9 @@ class _Record:
         self.results.steps[index] = world.steps[over]
         self.results.solved[index] = (world.fate[over] == SUBTASK_SOLVED).sum(axis=1)
         self.results.episode_return[index] = lane_return[over]
+        closest = getattr(world, "closest", None)  # of a domain in which a subtask is something that comes near
+        if closest is not None:
+            self.results.closest_m[index] = closest[over].min(axis=1)
 
 
 def wilson_interval(successes: int, trials: int, z: float = WILSON_Z) -> tuple[float, float]:

@@ -115,7 +115,10 @@ FINITE = 2 * TRACE_AIRCRAFT
 """Columns of a trace that are finite in every sound flight; a missile's smallest distance is not, before its launch."""
 
 
-def fly(task: Task, act: Act, policy: str, seed: int, episode: int = 0, record_every: int = 1) -> Trajectory:
+def fly(
+    task: Task, act: Act, policy: str, seed: int, episode: int = 0, record_every: int = 1,
+    state: NDArray[np.float32] | None = None,
+) -> Trajectory:  # fmt: skip
     """Fly one engagement and record it.
 
     Args:
@@ -125,9 +128,10 @@ def fly(task: Task, act: Act, policy: str, seed: int, episode: int = 0, record_e
         seed: with `episode` it fixes the initial state.
         episode: episode number of that seed; an evaluation's episode k is `episode=k` here.
         record_every: keep every n-th substep.
+        state: initial state `[1, 10 + ...]` instead of the episode's own, columns as in `sim.start.initial_states`.
     """
     world = World(task, lanes=1, seed=seed)
-    observation = world.reset(episodes=[episode])
+    observation = world.reset(episodes=[episode], states=state)
     world.trace()
     first = world.snapshot(0)
     rows, observations, actions, terms = [first], [], [], []

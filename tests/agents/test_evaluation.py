@@ -9,7 +9,9 @@ import pytest
 
 from agents.evaluation import Evaluation, evaluate, wilson_interval
 from agents.expert import DraggingExpert, NavigationExpert, RandomPolicy
+from agents.policy import bind
 from sim.task import task_for
+from sim.trajectory import fly
 from tests.agents.clock import Clock, ClockTask
 from tests.agents.point_robot import POINT_ROBOT, RobotTask
 
@@ -65,6 +67,17 @@ def test_the_json_has_exactly_the_agreed_keys() -> None:
     assert values["mask"] == [1, 2, 3, 4] and values["missiles"] == [] and values["episodes"] == 4
     assert set(values["outcomes"]) == {"exit", "shot_down", "left_field", "timeout", "not_finite"}
     assert progress[-1] == (4, 4)
+
+
+def test_the_closest_approach_is_that_of_the_recorded_flight() -> None:
+    task = task_for("default", "3,4")
+    results = evaluate(DraggingExpert(), task, 6, 2, 4).results
+    assert results is not None
+    flights = [fly(task, bind(DraggingExpert(), task), "", 2, episode) for episode in results.episode]
+    nearest = [min(missile.closest_m for missile in flight.missiles) for flight in flights]
+    np.testing.assert_allclose(results.closest_m, nearest, atol=0.01)
+    none = evaluate(NavigationExpert(), task_for("default", "1,2,3,4"), 2, 2).results
+    assert none is not None and np.isposinf(none.closest_m).all()
 
 
 def test_nothing_to_evaluate_is_an_error() -> None:

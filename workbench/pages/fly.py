@@ -24,7 +24,7 @@ from workbench.pages.fly_events import EventList, event_rows
 from workbench.pages.fly_figures import Pair
 from workbench.pages.fly_flights import BlindPolicyError, Flights, fly_both
 from workbench.pages.fly_layout import arrange
-from workbench.pages.fly_settings import FlySettings, default_settings, read_settings
+from workbench.pages.fly_settings import FlySettings, default_settings, keep_start, read_settings
 from workbench.pages.fly_tabs import FlightTabs
 from workbench.policies import policy_choices
 from workbench.scenarios import scenario_choices
@@ -99,7 +99,7 @@ class FlyPage:
         )
 
     def _choose(self) -> None:
-        chosen = self._controls.settings()
+        chosen = keep_start(self._controls.settings(), self._settings)
         if chosen != replace(self._settings, time_s=0.0):
             self._settings = chosen
             self._complain("")

@@ -10,6 +10,7 @@ from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.trajectory import Trajectory, fly
 from workbench.pages.fly_settings import FlySettings
+from workbench.pages.fly_start import start_notes, start_of
 from workbench.policies import resolve_policy
 from workbench.runs import RunStore
 from workbench.scenarios import trained_elsewhere
@@ -25,7 +26,7 @@ class Flights:
     a: Trajectory
     b: Trajectory
     notes: tuple[str, ...]
-    """Sentences about policies that were trained on another scenario."""
+    """Sentences about where they start, and about policies that were trained on another scenario."""
 
 
 class BlindPolicyError(PolicyError):
@@ -41,19 +42,20 @@ def fly_both(settings: FlySettings, store: RunStore) -> Flights:
 
     Raises:
         BlindPolicyError: a policy cannot see a missile of the task.
-        SubMasError: a policy does not exist any more or is damaged, or the scenario is.
+        SubMasError: a policy does not exist any more or is damaged, or the scenario is; or a shot without a missile.
     """
     task = Task(load_scenario(settings.scenario), settings.masked)
+    flown, state = start_of(task, settings)
     policies = {letter: resolve_policy(spec, store) for letter, spec in (("A", settings.a), ("B", settings.b))}
     try:
-        bound = [bind(policy, task) for policy in policies.values()]
+        bound = [bind(policy, flown) for policy in policies.values()]
     except PolicyError as error:
         known = [policy.layout for policy in policies.values() if policy.layout is not None]
-        blind = {missile for layout in known for missile in unseen_subtasks(layout, task.layout)}
+        blind = {missile for layout in known for missile in unseen_subtasks(layout, flown.layout)}
         raise BlindPolicyError(str(error), settings.masked | blind) from error
     a, b = (
-        fly(task, act, spec, settings.seed, record_every=RECORD_EVERY)
+        fly(flown, act, spec, settings.seed, settings.episode, RECORD_EVERY, state)
         for act, spec in zip(bound, (settings.a, settings.b), strict=True)
     )
     told = [(letter, trained_elsewhere(policy, task)) for letter, policy in policies.items()]
-    return Flights(a, b, tuple(f"{letter}: {sentence}." for letter, sentence in told if sentence))
+    return Flights(a, b, (*start_notes(settings), *(f"{letter}: {sentence}." for letter, sentence in told if sentence)))

@@ -1,4 +1,4 @@
-"""What the Fly page shows, as its address says it: `?a=&b=&scenario=&mask=&seed=&t=`."""
+"""What the Fly page shows, as its address says it: `?a=&b=&scenario=&mask=&seed=&episode=&shot=&t=`."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from dataclasses import dataclass, replace
 from sim.errors import MaskError
 from sim.scenario_file import load_scenario
 from sim.task import parse_mask
+from workbench.pages.fly_start import Shot, read_start
 from workbench.scenarios import DEFAULT
 
-SEED_MAX = 2**31 - 1
+SEED_MAX = 2**53 - 1
+"""Largest whole number that a browser keeps exactly; the seeds of evaluations are large."""
 LONGEST = 60
 """Characters of a wrong value that are repeated to the person."""
 
@@ -30,6 +32,10 @@ class FlySettings:
     seed: int = 0
     time_s: float = 0.0
     scenario: str = DEFAULT
+    episode: int = 0
+    """Episode of the seed: an evaluation's episode k."""
+    shot: Shot | None = None
+    """One missile fired at once, instead of the whole engagement."""
 
     @property
     def mask(self) -> str:
@@ -38,7 +44,8 @@ class FlySettings:
 
     def to_query(self) -> dict[str, str]:
         """Values of the address; reading them gives equal settings."""
-        state = {"mask": self.mask, "seed": str(self.seed), "t": f"{self.time_s:g}"}
+        state = {"mask": self.mask, "seed": str(self.seed), "episode": str(self.episode), "t": f"{self.time_s:g}"}
+        state["shot"] = self.shot.text if self.shot else ""
         return {"a": self.a, "b": self.b, "scenario": self.scenario, **state}
 
 
@@ -79,11 +86,19 @@ def read_settings(
     elif seed:
         instead = f"so seed {defaults.seed} is flown."
         problems.append(f"Seed {_quoted(seed)} is not a whole number from 0 to {SEED_MAX}, {instead}")
+    start, wrong = read_start(query)
+    settings = replace(settings, **start)
+    problems += wrong
     if (time := query.get("t", "")) and (seconds := _seconds(time)) is not None:
         settings = replace(settings, time_s=seconds)
     elif time:
         problems.append(f"Time {_quoted(time)} is not a number of seconds, so the clock starts at 0.")
     return settings, problems
+
+
+def keep_start(chosen: FlySettings, before: FlySettings) -> FlySettings:
+    """What was chosen, with the episode or shot of the address as long as its seed is the same."""
+    return replace(chosen, episode=before.episode, shot=before.shot) if chosen.seed == before.seed else chosen
 
 
 def read_scenario(query: Mapping[str, str], scenarios: Collection[str], default: str) -> tuple[str, list[str]]:
@@ -99,7 +114,7 @@ def _quoted(value: str) -> str:
 
 
 def _whole(text: str) -> int | None:
-    return int(text) if text.isascii() and text.isdigit() and len(text) < 11 and int(text) <= SEED_MAX else None
+    return int(text) if text.isascii() and text.isdigit() and len(text) < 17 and int(text) <= SEED_MAX else None
 
 
 def _seconds(text: str) -> float | None:
