@@ -68,6 +68,8 @@ class FlightScene:
     width_km: float
     """Extent of all battlefields along x, for cameras."""
     depth_km: float
+    offsets_km: tuple[NDArray[np.float64], ...] = ()
+    """Where the battlefield of each flight lies, `[3]`."""
 
     def show(self, time_s: float) -> None:
         """Place everything as it is at this time [s]; cheap enough for twenty calls a second."""
@@ -105,24 +107,25 @@ def build_scene(
     server.scene.set_background_image(np.full((2, 2, 3), look.background, dtype=np.uint8), format="png")
     bodies: list[Body] = []
     marks: list[Mark] = []
+    offsets = tuple(np.array([(n - (len(flights) - 1) / 2) * pitch, 0.0, 0.0]) for n in range(len(flights)))
     with server.atomic():
-        for number, (flight, colour) in enumerate(zip(flights, colours, strict=True)):
-            offset = np.array([(number - (len(flights) - 1) / 2) * pitch, 0.0, 0.0])
+        for number, (flight, colour, offset) in enumerate(zip(flights, colours, offsets, strict=True)):
             if number == 0 or not overlay:
                 add_battlefield(server, f"{root}/field_{number}", field, look, offset)
-            added = _add_flight(server, f"{root}/flight_{number}", flight, colour, look, offset)
+            added = add_flight(server, f"{root}/flight_{number}", flight, colour, look, offset)
             bodies += added[0]
             marks += added[1]
     width = field.length_m * KM + pitch * (len(flights) - 1)
     evaders = tuple(body.motion for body in bodies if body.mesh.name.endswith("/evader"))
-    scene = FlightScene(server, evaders, tuple(bodies), tuple(marks), width, field.width_m * KM)
+    scene = FlightScene(server, evaders, tuple(bodies), tuple(marks), width, field.width_m * KM, offsets)
     scene.show(0.0)
     return scene
 
 
-def _add_flight(
+def add_flight(
     server: viser.ViserServer, name: str, flight: Trajectory, colour: str, look: Ground, offset_km: NDArray
 ) -> tuple[list[Body], list[Mark]]:
+    """Add the bodies and marks of one flight, whose battlefield lies at `offset_km`, under `name`."""
     end_s, scale = float(flight.time_s[-1]), drawing_scale(flight.task.scenario.battlefield)
     shot = flight.outcome == Outcome.SHOT_DOWN
     parts = [("evader", flight.evader, colour, aircraft(), AIRCRAFT_KM, end_s if shot else np.inf)]
