@@ -50,7 +50,8 @@ export function render({model}) {
   }
 
   function drawBar() {
-    const buttons = CAMERAS.map(([name, words]) => {
+    const branch = model.branch ? [["chase-branch", "Follow branch"]] : []
+    const buttons = [...CAMERAS, ...branch].map(([name, words]) => {
       const button = document.createElement("button")
       button.type = "button"
       button.textContent = words
@@ -85,7 +86,7 @@ export function render({model}) {
     // viser's canvas is black until its first frame; nothing tells when that is.
     if (frame.contentDocument?.querySelector("canvas") && ++seen > 4) { cover.classList.add("gone") }
   }, 300)
-  model.on(["camera", "overlay"], drawBar)
+  model.on(["camera", "overlay", "branch"], drawBar)
   model.on("picture", () => {
     if (!model.picture) { return }
     const link = document.createElement("a")

@@ -7,15 +7,16 @@ import base64
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import param
 from panel.custom import JSComponent
 from PIL import Image
 
 from layouts.cameras import FIELD_OF_VIEW_RAD, chase, overview
+from layouts.motion import Motion
 from layouts.scene import FlightScene, build_scene
-from layouts.theme import POLICY_A, POLICY_B
+from layouts.theme import POLICY_A, POLICY_B, Mode
 from sim.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -24,17 +25,36 @@ if TYPE_CHECKING:
     from workbench.viser_proxy import ViserRegistry
 
 CHASE = {"chase-a": 0, "chase-b": 1}
+CHASE_LAYER = "chase-branch"
 PHOTO_PATIENCE_S = 20.0
 PHOTO_WIDTH = 1920
+
+
+class Layer(Protocol):
+    """Something more in the scene, drawn after the flights and again whenever they are."""
+
+    @property
+    def evader(self) -> Motion | None:
+        """Whom the camera of the layer follows."""
+        ...
+
+    def build(self, server: viser.ViserServer, scene: FlightScene, mode: Mode, root: str) -> None:
+        """Draw it into a scene that has just been built; all names begin with `root`."""
+        ...
+
+    def show(self, time_s: float) -> None:
+        """Place it as it is at this time [s]."""
+        ...
 
 
 class FlightFrame(JSComponent):
     """The frame around viser's page, with camera buttons; reports whether the page is dark."""
 
     address = param.String(doc="address of the scene's page, on this server")
-    camera = param.String(default="overview", doc="overview, top, chase-a or chase-b; set by the browser")
+    camera = param.String(default="overview", doc="overview, top, chase-a, chase-b or chase-branch; set by the browser")
     look = param.Integer(default=0, doc="counts camera buttons pressed, so that pressing one again resets it")
     overlay = param.Boolean(default=False, doc="both flights on one battlefield; set by the browser")
+    branch = param.Boolean(default=False, doc="whether there is a branch to follow")
     dark = param.Boolean(default=True, doc="whether the page is dark; set by the browser")
 
     photo = param.Integer(default=0, doc="counts pictures asked for; set by the browser")
@@ -54,6 +74,7 @@ class FlightView:
         self._flights: Sequence[Trajectory] = ()
         self._time_s = 0.0
         self._builds = 0
+        self.layer: Layer | None = None
         self._server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
         self._server.on_client_connect(self._aim)
         self.frame = FlightFrame(sizing_mode="stretch_width", margin=0)
@@ -75,7 +96,9 @@ class FlightView:
         if self._scene is None:
             return
         self._scene.show(time_s)
-        if self.frame.camera in CHASE:
+        if self.layer is not None:
+            self.layer.show(time_s)
+        if self.frame.camera in (*CHASE, CHASE_LAYER):
             self._aim_all()
 
     def close(self) -> None:
@@ -92,8 +115,16 @@ class FlightView:
             self._server, self._flights, colours, mode, self.frame.overlay, f"/build_{self._builds}"
         )
         self._scene.show(self._time_s)
+        self.draw_layer()
         if not keep_camera:
             self._aim_all()
+
+    def draw_layer(self) -> None:
+        """Draw the layer into the present scene, as when it has something new to show."""
+        if self._scene is not None and self.layer is not None:
+            mode = "dark" if self.frame.dark else "light"
+            self.layer.build(self._server, self._scene, mode, f"/build_{self._builds}")
+            self.layer.show(self._time_s)
 
     async def _photograph(self, _event: object) -> None:
         self.frame.picture = ""
@@ -111,7 +142,10 @@ class FlightView:
         number = CHASE.get(self.frame.camera)
         with client.atomic():
             camera.fov = FIELD_OF_VIEW_RAD
-            if number is not None and number < len(scene.evaders):
+            layered = self.layer.evader if self.layer and self.frame.camera == CHASE_LAYER else None
+            if layered is not None:
+                camera.position, camera.look_at = chase(layered, self._time_s)
+            elif number is not None and number < len(scene.evaders):
                 camera.position, camera.look_at = chase(scene.evaders[number], self._time_s)
             else:
                 camera.position, camera.look_at = overview(
