@@ -42,6 +42,10 @@ def card_of(stage: Stage, state: TrainingState, evaluation: Evaluation | None) -
 def command_of(config: TrainingConfig) -> str:
     """Command line that repeats this training; a curriculum always learns all missiles of its scenario."""
     words = ["workbench train", "--curriculum" if config.curriculum else f"--missiles {config.missiles}"]
+    if config.mask:
+        words.append(f"--mask {config.mask}")
+    if config.order:
+        words.append(f"--order {config.order}")
     if config.guide:
         words.append(f"--guide {config.guide}")
     if config.scenario != "default":

@@ -88,6 +88,10 @@ class TrainingConfig:
     """Seed of networks, exploration and initial states."""
     name: str = ""
     """Free text to recognise the run by."""
+    mask: str = ""
+    """Missiles of 1 … N that are masked besides, as in `1,3`; empty masks none."""
+    order: str = ""
+    """Algorithm 3's list of a curriculum's missiles, the most complex first, as in `4,1,2,3`; empty: highest first."""
 
     def __post_init__(self) -> None:
         """Count the missiles if that was left open; reject unknown profiles and variants and numbers out of range.
@@ -107,6 +111,48 @@ class TrainingConfig:
             raise ConfigError("name must be one printable line of at most 200 characters")
         if VARIANTS[self.variant].from_library:
             _check_single(self)
+        self._settle_task()
+
+    def _settle_task(self) -> None:
+        """Check mask and order, and write both so that the same training is always the same record."""
+        masked = sorted(set(numbers_of("mask", self.mask)))
+        wrong = [number for number in masked if not 1 <= number <= self.missiles]
+        if wrong:
+            raise ConfigError(f"mask names missile {wrong[0]}; legal are 1 to {self.missiles}")
+        if len(masked) == self.missiles:
+            raise ConfigError(f"mask '{self.mask}' masks every missile and leaves nothing to learn; leave one or more")
+        # Missiles 1 and 2 of 4 are the stage `missiles=2`. A curriculum keeps its N: it is every missile of a scenario.
+        while not self.curriculum and masked and masked[-1] == self.missiles:
+            masked.pop()
+            object.__setattr__(self, "missiles", self.missiles - 1)
+        object.__setattr__(self, "mask", ",".join(map(str, masked)))
+        order = numbers_of("order", self.order)
+        if order:
+            _check_order(self, order)
+        usual = order == tuple(reversed(self.subtasks))
+        object.__setattr__(self, "order", "" if usual else ",".join(map(str, order)))
+
+    @property
+    def subtasks(self) -> tuple[int, ...]:
+        """Missiles of the task, ascending; with a curriculum those of its target."""
+        masked = numbers_of("mask", self.mask)
+        return tuple(number for number in range(1, self.missiles + 1) if number not in masked)
+
+    @property
+    def ordered_subtasks(self) -> tuple[int, ...]:
+        """Subtasks τ₁ … τ_n as Algorithm 3 takes them: the most complex first, which is masked first and met last.
+
+        Unless something else is asked for that is the last missile, as it adds to all others (Fig. 3).
+        """
+        return numbers_of("order", self.order) or tuple(reversed(self.subtasks))
+
+    @property
+    def stages(self) -> tuple[tuple[int, ...], ...]:
+        """Missiles of the task of each stage, ascending, in the order in which stages are trained."""
+        if not self.curriculum:
+            return (self.subtasks,)
+        met = tuple(reversed(self.ordered_subtasks))
+        return tuple(tuple(sorted(met[:count])) for count in range(1, len(met) + 1))
 
     @property
     def hyperparameters(self) -> Hyperparameters:
@@ -118,11 +164,12 @@ class TrainingConfig:
         hyper = PROFILES[self.profile]
         if VARIANTS[self.variant].guided or self.curriculum or self.profile == "paper":
             return hyper
-        return dataclasses.replace(hyper, epochs=self.missiles * hyper.epochs)
+        return dataclasses.replace(hyper, epochs=len(self.subtasks) * hyper.epochs)
 
     def to_json(self) -> dict[str, Any]:
-        """All fields as plain JSON values."""
-        return dataclasses.asdict(self)
+        """All fields as plain JSON values; mask and order only where there is one."""
+        values = dataclasses.asdict(self)
+        return {name: value for name, value in values.items() if value or name not in ("mask", "order")}
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> TrainingConfig:
@@ -138,6 +185,29 @@ class TrainingConfig:
         if unknown:
             raise ConfigError(f"unknown key '{unknown[0]}' in a training configuration; known are {', '.join(known)}")
         return cls(**values)
+
+
+def numbers_of(name: str, text: str) -> tuple[int, ...]:
+    """Numbers of a list such as `4,1,2`, in their order; none of an empty text.
+
+    Raises:
+        ConfigError: something else than whole numbers between commas, with the field's `name` and the text.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    if parts == [""]:
+        return ()
+    if len(text) > 400 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise ConfigError(f"{name} {text[:60]!r} is not a list of missiles; write numbers between commas, as in 1,2")
+    return tuple(map(int, parts))
+
+
+def _check_order(config: TrainingConfig, order: tuple[int, ...]) -> None:
+    """Raise `ConfigError` unless a curriculum is ordered, and by each of its missiles once."""
+    if not config.curriculum:
+        raise ConfigError(f"order is '{config.order}', and a single stage has none; order a curriculum (--curriculum)")
+    if tuple(sorted(order)) != config.subtasks:
+        wanted = ",".join(map(str, config.subtasks))
+        raise ConfigError(f"order '{config.order[:60]}' must name each of the missiles {wanted} once")
 
 
 def _check_single(config: TrainingConfig) -> None:

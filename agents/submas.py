@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from agents.config import VARIANTS, ConfigError, Hyperparameters, TrainingConfig
+from agents.config import VARIANTS, ConfigError, Hyperparameters, TrainingConfig, numbers_of
 from agents.curriculum import Curriculum, learn_with_curriculum
 from agents.expert import NavigationExpert
 from agents.features import subtask_number
@@ -63,7 +63,7 @@ def train(
         ConfigError: the task has no missile, so there is nothing to learn.
     """
     domain = domain or _evasion()
-    target = domain.target(config.scenario, config.missiles)
+    target = domain.target(config.scenario, config.missiles).mask(numbers_of("mask", config.mask))
     subtasks = domain.subtasks(target)
     if not subtasks:
         raise ConfigError(f"missiles is {config.missiles}; the expert solves a task without any, train 1 or more")
@@ -91,13 +91,11 @@ def train(
 
     if not config.curriculum:
         return learn_stage(0, target, source_of(target, subtasks, guide), guide)
-    # The last missile is the hardest: it adds to all others. It is masked first and met last (Fig. 3).
-    ordered = tuple(reversed(subtasks))
 
     def learn(chain: Curriculum) -> Policy:
         return submas(chain, guide, learn_stage, recorder.should_stop)
 
-    return learn_with_curriculum(target, ordered, learn)
+    return learn_with_curriculum(target, config.ordered_subtasks, learn)
 
 
 def source_of(task: SubtaskTask, subtasks: Sequence[int], guide: Policy) -> Any:

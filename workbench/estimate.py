@@ -38,7 +38,7 @@ def estimate(config: TrainingConfig, seeds: int, runs: Sequence[Run]) -> Estimat
     """The most that `seeds` trainings like this can take, given the earlier `runs` (newest first)."""
     speeds = epoch_seconds(config, runs)
     epoch_s = median(speeds) if speeds else TYPICAL_EPOCH_S[config.profile]
-    stages = config.missiles if config.curriculum else 1
+    stages = len(config.stages)
     at_once = min(seeds, cpu_count())
     rounds = math.ceil(seeds / at_once)
     return Estimate(rounds * stages * config.hyperparameters.epochs * epoch_s, stages, at_once, len(speeds))

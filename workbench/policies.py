@@ -106,13 +106,22 @@ def policy_choices(store: RunStore) -> dict[str, str]:
 
 def title(config: TrainingConfig) -> str:
     """A training in a few words: its name if the user gave one, else what it learns; another scenario is named."""
-    what = "Whole curriculum" if config.curriculum else f"{config.missiles} missile{'s' * (config.missiles != 1)}"
-    words = [shorten(config.name, 40) or what, other_scenario(config.scenario), config.variant, config.profile]
+    what = shorten(config.name, 40) or what_is_learned(config)
+    words = [what, other_scenario(config.scenario), config.variant, config.profile]
     return " · ".join([*filter(None, words), f"seed {config.seed}"])
 
 
+def what_is_learned(config: TrainingConfig) -> str:
+    """The task or the chain of a training in a few words."""
+    count, listed = len(config.subtasks), ", ".join(map(str, config.subtasks))
+    if config.curriculum:
+        to = f"Curriculum to missile{'s' * (count != 1)} {listed}" if config.mask else "Whole curriculum"
+        return f"{to} in order {config.order.replace(',', ', ')}" if config.order else to
+    return f"missile{'s' * (count != 1)} {listed}" if config.mask else f"{count} missile{'s' * (count != 1)}"
+
+
 def natural_guide(config: TrainingConfig) -> str:
-    """POLICY that guides the first stage when none is chosen: the policy of the task with one missile less.
+    """POLICY that guides the first stage when none is chosen: the policy of a task with one missile less.
 
     The easiest task (one missile) is guided by the navigation expert (section 4.1), and so is a whole curriculum;
     SAC and PPO have it and never ask it. Empty when no policy of that task, trained on this very scenario, is shipped.
@@ -122,13 +131,15 @@ def natural_guide(config: TrainingConfig) -> str:
     """
     from agents.config import VARIANTS
 
-    if config.curriculum or config.missiles == 1 or VARIANTS[config.variant].from_library:
+    if config.curriculum or len(config.subtasks) == 1 or VARIANTS[config.variant].from_library:
         return "expert-navigation"
     target = Task(load_scenario(config.scenario))
-    easier = target.mask(missile for missile in target.missiles if missile >= config.missiles)
-    name = f"submas-{easier.name}"
-    card = shipped_cards().get(name)
-    return name if card is not None and card.scenario_digest == target.scenario.digest else ""
+    for last in reversed(config.subtasks):
+        easier = target.mask(missile for missile in target.missiles if missile not in {*config.subtasks} - {last})
+        card = shipped_cards().get(f"submas-{easier.name}")
+        if card is not None and card.scenario_digest == target.scenario.digest:
+            return f"submas-{easier.name}"
+    return ""
 
 
 def guide_for(config: TrainingConfig, store: RunStore | None = None) -> Policy:
@@ -140,9 +151,10 @@ def guide_for(config: TrainingConfig, store: RunStore | None = None) -> Policy:
     """
     spec = config.guide or natural_guide(config)
     if not spec:
-        task = f"{config.missiles - 1} missile{'s' * (config.missiles != 2)} of scenario '{config.scenario}'"
+        missiles, count = ", ".join(map(str, config.subtasks)), len(config.subtasks)
+        task = f"{count - 1} missile{'s' * (count != 2)} of scenario '{config.scenario}'"
         raise UnknownPolicyError(
-            f"no policy for {task} is shipped to guide a training with {config.missiles}; "
+            f"no policy for {task} is shipped to guide a training with {missiles if config.mask else count}; "
             "choose one with --guide, or train the whole chain with --curriculum"
         )
     return resolve_policy(spec, store)

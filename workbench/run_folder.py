@@ -141,7 +141,7 @@ class Run:
             missiles = read_json(self.path / "policy.json").get("missiles")
             if isinstance(missiles, list) and all(isinstance(missile, int) for missile in missiles):
                 return tuple(missiles)
-        return tuple(range(1, self.config.missiles + 1))
+        return self.config.subtasks
 
     def log_tail(self, lines: int = 20) -> str:
         """The end of what the training process printed."""

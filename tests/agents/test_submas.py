@@ -113,6 +113,28 @@ def test_a_stop_in_the_first_stage_ends_the_whole_curriculum() -> None:
     assert len(recording.rows) == 1 and policy.name == "submas-source-1"
 
 
+def test_a_chain_is_trained_in_the_order_that_is_asked_for() -> None:
+    tasks = {}
+    for order in ("", "1,2"):
+        recording = Recording()
+        config = TrainingConfig(curriculum=True, missiles=2, order=order)
+        train(config, recording, NavigationExpert(), domain=POINT_ROBOT, hyperparameters=HYPER)
+        tasks[order] = list(dict.fromkeys((row["task"], *row["missiles"]) for row in recording.rows))
+    # The most complex subtask is masked first (Algorithm 3): with 1,2 it is obstacle 2 that is learned first.
+    assert [learned[1:] for learned in tasks[""]] == [(1,), (1, 2)]
+    assert [learned[1:] for learned in tasks["1,2"]] == [(2,), (1, 2)]
+    assert recording.policies[-1][1].command.startswith("workbench train --curriculum --order 1,2 ")
+
+
+def test_any_masked_task_is_a_stage() -> None:
+    recording = Recording(stop_after=1)
+    config = TrainingConfig(missiles=2, mask="1")
+    policy = train(config, recording, NavigationExpert(), domain=POINT_ROBOT, hyperparameters=HYPER)
+    assert recording.rows[0]["missiles"] == [2]
+    assert policy.layout is not None and {name for name in policy.layout.names if name.endswith("_1")} == set()
+    assert recording.policies[-1][1].command.startswith("workbench train --missiles 2 --mask 1 ")
+
+
 def test_a_task_without_subtasks_has_nothing_to_learn() -> None:
     empty = type("Empty", (type(POINT_ROBOT),), {"subtasks": lambda self, task: ()})()
     with pytest.raises(ConfigError, match="train 1 or more"):

@@ -21,6 +21,10 @@ class Args:
     """Learn the whole chain of Algorithm 3: one missile, then two, up to the target task."""
     missiles: int | None = None
     """Learn a single stage with missiles 1 to N unmasked (default: all of them)."""
+    mask: str = ""
+    """Mask these missiles besides, as in 1,3: any of the 16 tasks, as a stage or as the target of a chain."""
+    order: str = ""
+    """With --curriculum: Algorithm 3's list, the most complex missile first, as in 4,1,2,3 (default: highest first)."""
     guide: str = ""
     """POLICY that guides the first stage (default: the one for the task with a missile less)."""
     variant: str = "submas"
@@ -77,6 +81,7 @@ def configuration(args: Args, seed: int) -> TrainingConfig:
         raise UsageError(f"--missiles is {missiles}; legal are 1 to {most}")
     scenario = _absolute(args.scenario)
     values = {"scenario": scenario, "variant": args.variant, "profile": args.profile, "name": args.name}
+    values |= {"mask": args.mask, "order": args.order}
     guide = _absolute(args.guide)
     return TrainingConfig.from_json(
         {**values, "curriculum": args.curriculum, "missiles": missiles, "guide": guide, "seed": seed}

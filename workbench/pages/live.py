@@ -192,8 +192,7 @@ def stage_tasks(config: TrainingConfig) -> list[str]:
         ScenarioError: the scenario of the run is not there any more.
     """
     target = Task(load_scenario(config.scenario))
-    counts = range(1, config.missiles + 1) if config.curriculum else [config.missiles]
-    return [target.mask(missile for missile in target.missiles if missile > count).name for count in counts]
+    return [target.mask(missile for missile in target.missiles if missile not in kept).name for kept in config.stages]
 
 
 def _column(flex: str, panel: pmui.Paper) -> pmui.Column:
