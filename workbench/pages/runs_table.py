@@ -9,7 +9,7 @@ import pandas as pd
 import panel as pn
 
 from layouts.theme import POLICY_A
-from workbench.policies import title
+from workbench.policies import title, what_is_learned
 from workbench.runs import Run
 from workbench.scenarios import other_scenario
 
@@ -77,7 +77,8 @@ def _training(config: TrainingConfig) -> str:
     """What is learned, and on which scenario where that is not the default one."""
     last = config.missiles
     stage = "Stage: missile 1" if last == 1 else f"Stage: missiles 1–{last}"
-    what = "Curriculum" if config.curriculum else stage
+    usual = "Curriculum" if config.curriculum else stage
+    what = what_is_learned(config) if config.mask or config.order else usual
     return " · ".join(filter(None, [what, other_scenario(config.scenario)]))
 
 
