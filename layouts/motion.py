@@ -40,11 +40,19 @@ class Motion:
         index = int(np.searchsorted(self.time_s, time_s).clip(0, len(self.time_s) - 1))
         return self.wxyz[index]
 
+    def heading(self, time_s: float) -> float:
+        """Where the nose points on the ground [rad], in (-pi, pi], 0 along +x and left positive."""
+        w, x, y, z = self.attitude(time_s)
+        return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
     def tail(self, time_s: float, length_s: float, points: int) -> NDArray[np.float64]:
         """The last `length_s` before a time as `points` - 1 line segments [points - 1, 2, 3]."""
+        return segments(self.position(self.tail_times(time_s, length_s, points)))
+
+    def tail_times(self, time_s: float, length_s: float, points: int) -> NDArray[np.float64]:
+        """The times [points] at the ends of those segments."""
         end = min(time_s, float(self.time_s[-1]))
-        times = np.linspace(max(end - length_s, float(self.time_s[0])), end, points)
-        return segments(self.position(times))
+        return np.linspace(max(end - length_s, float(self.time_s[0])), end, points)
 
 
 def motion(

@@ -4,57 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from layouts.battlefield import EXAGGERATION, add_battlefield, draw_lines, drawing_scale
-from layouts.meshes import Mesh, aircraft, missile
-from layouts.motion import KM, Motion, motion, segments
-from layouts.theme import (
-    FAILURE,
-    INTERCEPTOR,
-    Ground,
-    Mode,
-    Rgb,
-    blend,
-    ground,
-    missile_colour,
-    rgb,
-    scene_ink,
-)
-from sim.trajectory import Trajectory
+from layouts.battlefield import EXAGGERATION, add_battlefield, drawing_scale
+from layouts.captions import distance_text
+from layouts.energy import energy_share
+from layouts.meshes import aircraft, missile
+from layouts.motion import KM, Motion, motion
+from layouts.scene_bodies import BEAM_KM, TAIL_POINTS, TAIL_S, Body, Layers, Mark, add_body, add_label_mark
+from layouts.theme import FAILURE, INTERCEPTOR, Ground, Mode, Rgb, ground, missile_colour, rgb, scene_ink
+from sim.trajectory import MissileTrack, Trajectory
 from sim.world import Fate, Outcome
 
+__all__ = ["AIRCRAFT_KM", "MISSILE_KM", "TAIL_POINTS", "TAIL_S", "Body", "FlightScene", "Layers", "Mark"]
+
+ALL_LAYERS = Layers()
 GAP_KM = 14.0
-TAIL_S = 75.0
-TAIL_POINTS = 26
-TAIL_LIFT_KM = 0.4
-PATH_POINTS = 500
+LETTERS = "ABCDEFGH"
+"""Flights by their letters, as everywhere on the page."""
 AIRCRAFT_KM = 10.0
 MISSILE_KM = 8.0
 BURST = (255, 150, 60)
-
-
-@dataclass(frozen=True)
-class Body:
-    """One moving body: its motion and the handles that show it."""
-
-    motion: Motion
-    mesh: Any
-    tail: Any
-    drop: Any
-    gone_after_s: float
-
-
-@dataclass(frozen=True)
-class Mark:
-    """Something that appears at a time and stays: a missile's end, a shot-down evader."""
-
-    time_s: float
-    handle: Any
+MISS_SHOWN_S = 20.0
+"""How long a miss distance stays in the picture."""
 
 
 @dataclass(frozen=True)
@@ -71,13 +46,17 @@ class FlightScene:
     offsets_km: tuple[NDArray[np.float64], ...] = ()
     """Where the battlefield of each flight lies, `[3]`."""
 
-    def show(self, time_s: float) -> None:
-        """Place everything as it is at this time [s]; cheap enough for twenty calls a second."""
+    def show(self, time_s: float, layers: Layers = ALL_LAYERS) -> None:
+        """Place everything as it is at this time [s]; cheap enough for fifty calls a second."""
+        with self.server.atomic():
+            for thing in (*self.bodies, *self.marks):
+                thing.place(time_s, layers)
+
+    def paint(self, layers: Layers) -> None:
+        """After the layers have changed: bring along what `show` does not touch."""
         with self.server.atomic():
             for body in self.bodies:
-                _place(body, time_s)
-            for mark in self.marks:
-                _set_visible(mark.handle, time_s >= mark.time_s)
+                body.paint(layers)
 
 
 def build_scene(
@@ -112,7 +91,7 @@ def build_scene(
         for number, (flight, colour, offset) in enumerate(zip(flights, colours, offsets, strict=True)):
             if number == 0 or not overlay:
                 add_battlefield(server, f"{root}/field_{number}", field, look, offset)
-            added = add_flight(server, f"{root}/flight_{number}", flight, colour, look, offset)
+            added = add_flight(server, f"{root}/flight_{number}", flight, colour, look, offset, LETTERS[number])
             bodies += added[0]
             marks += added[1]
     width = field.length_m * KM + pitch * (len(flights) - 1)
@@ -123,101 +102,73 @@ def build_scene(
 
 
 def add_flight(
-    server: viser.ViserServer, name: str, flight: Trajectory, colour: str, look: Ground, offset_km: NDArray
-) -> tuple[list[Body], list[Mark]]:
-    """Add the bodies and marks of one flight, whose battlefield lies at `offset_km`, under `name`."""
+    server: viser.ViserServer, name: str, flight: Trajectory, colour: str, look: Ground, offset_km: NDArray,
+    letter: str = "",
+) -> tuple[list[Body], list[Mark]]:  # fmt: skip
+    """Add the bodies and marks of one flight, whose battlefield lies at `offset_km`, under `name`.
+
+    Its evader is called `letter` in the picture; without one, no body has a name.
+    """
     end_s, scale = float(flight.time_s[-1]), drawing_scale(flight.task.scenario.battlefield)
+    evader = motion(flight.evader, flight.time_s, EXAGGERATION, offset_km)
+    interceptor = motion(flight.interceptor, flight.time_s, EXAGGERATION, offset_km)
     shot = flight.outcome == Outcome.SHOT_DOWN
-    parts = [("evader", flight.evader, colour, aircraft(), AIRCRAFT_KM, end_s if shot else np.inf)]
-    parts.append(("interceptor", flight.interceptor, INTERCEPTOR, aircraft(), AIRCRAFT_KM, np.inf))
+    craft, size = aircraft(), AIRCRAFT_KM * scale
+    parts = [("evader", evader, colour, end_s if shot else np.inf, letter, BEAM_KM * scale)]
+    parts.append(("interceptor", interceptor, INTERCEPTOR, np.inf, "interceptor" if letter else "", 0.0))
+    bodies = [
+        add_body(
+            server, f"{name}/{part}", path, craft, size, scene_ink(ink, look), look, gone, text=text, beams_km=beams_km
+        )
+        for part, path, ink, gone, text, beams_km in parts
+        if path.flies
+    ]
+    marks = []
     for track in flight.missiles:
-        gone = track.end_s if np.isfinite(track.end_s) else np.inf
-        parts.append((f"missile_{track.number}", track, missile_colour(track.number), missile(), MISSILE_KM, gone))
-    bodies, marks = [], []
-    for part, track, ink, mesh, size, gone in parts:
         path = motion(track, flight.time_s, EXAGGERATION, offset_km)
         if path.flies:
-            bodies.append(
-                _add_body(server, f"{name}/{part}", path, mesh, size * scale, scene_ink(ink, look), look, float(gone))
-            )
-    for track in flight.missiles:
-        if track.fate in (Fate.EVADED, Fate.HIT):
-            path = motion(track, flight.time_s, EXAGGERATION, offset_km)
-            hit = track.fate == Fate.HIT
-            ink = BURST if hit else scene_ink(missile_colour(track.number), look)
-            size = (4.0 if hit else 1.1) * scale
-            marks.append(_add_mark(server, f"{name}/end_{track.number}", path, ink, size, track.end_s))
-    if shot:
-        path = motion(flight.evader, flight.time_s, EXAGGERATION, offset_km)
-        marks.append(_add_mark(server, f"{name}/shot_down", path, rgb(FAILURE), 2.4 * scale, end_s))
+            bodies.append(_add_missile(server, name, track, path, evader, flight, look, letter))
+            marks += _add_ends(server, name, track, path, evader, flight, look, bool(letter))
+    if shot and evader.flies:
+        marks.append(_add_ball(server, f"{name}/shot_down", evader, rgb(FAILURE), 2.4 * scale, end_s))
     return bodies, marks
 
 
-def _add_body(
-    server: viser.ViserServer,
-    name: str,
-    path: Motion,
-    mesh: Mesh,
-    size_km: float,
-    ink: Rgb,
-    look: Ground,
-    gone_after_s: float,
-) -> Body:
-    whole = path.position_km[:: max(1, len(path.position_km) // PATH_POINTS)]
-    nowhere = np.zeros(3)
-    draw_lines(server, f"{name}_path", segments(whole), blend(ink, look.field, look.faint), 1.8, nowhere)
-    tail = draw_lines(server, f"{name}_tail", _tail(path, float(path.time_s[0])), ink, 3.2, nowhere)
-    drop = draw_lines(
-        server, f"{name}_drop", _drop(path.position_km[0]), blend(ink, look.field, look.faint), 1.2, nowhere
-    )
-    shape = server.scene.add_mesh_simple(
-        name,
-        mesh.vertices * size_km,
-        mesh.faces,
-        color=ink,
-        flat_shading=True,
-        side="double",
-        cast_shadow=False,
-        receive_shadow=False,
-    )
-    return Body(path, shape, tail, drop, gone_after_s)
+def _add_missile(
+    server: viser.ViserServer, name: str, track: MissileTrack, path: Motion, evader: Motion, flight: Trajectory,
+    look: Ground, letter: str,
+) -> Body:  # fmt: skip
+    scale = drawing_scale(flight.task.scenario.battlefield)
+    share, known = energy_share(track), np.isfinite(track.position_m[:, 0])
+    return add_body(
+        server, f"{name}/missile_{track.number}", path, missile(), MISSILE_KM * scale,
+        scene_ink(missile_colour(track.number), look), look, track.end_s if np.isfinite(track.end_s) else np.inf,
+        text=str(track.number) if letter else "", seen_from=evader,
+        energy=np.interp(path.time_s, flight.time_s[known], share[known]),
+    )  # fmt: skip
 
 
-def _add_mark(server: viser.ViserServer, name: str, path: Motion, ink: Rgb, radius_km: float, time_s: float) -> Mark:
+def _add_ends(
+    server: viser.ViserServer, name: str, track: MissileTrack, path: Motion, evader: Motion, flight: Trajectory,
+    look: Ground, named: bool,
+) -> list[Mark]:  # fmt: skip
+    """How a missile ended: a burst or a small ball, and how far away it passed the evader."""
+    if track.fate not in (Fate.EVADED, Fate.HIT):
+        return []
+    scale, hit = drawing_scale(flight.task.scenario.battlefield), track.fate == Fate.HIT
+    ink = BURST if hit else scene_ink(missile_colour(track.number), look)
+    marks = [_add_ball(server, f"{name}/end_{track.number}", path, ink, (4.0 if hit else 1.1) * scale, track.end_s)]
+    if named and np.isfinite(track.closest_m) and evader.flies:
+        closest_s = float(flight.time_s[np.nanargmin(track.range_m)])
+        words = f"{track.number} {'hit' if hit else 'missed by'} {distance_text(track.closest_m)}"
+        place = evader.position(closest_s)
+        marks.append(add_label_mark(server, f"{name}/miss_{track.number}", words, place, closest_s, MISS_SHOWN_S))
+    return marks
+
+
+def _add_ball(server: viser.ViserServer, name: str, path: Motion, ink: Rgb, radius_km: float, time_s: float) -> Mark:
     ball = server.scene.add_icosphere(
-        name,
-        radius=radius_km,
-        color=ink,
-        opacity=0.75,
-        subdivisions=2,
-        position=tuple(path.position_km[-1]),
-        visible=False,
-        cast_shadow=False,
-        receive_shadow=False,
-    )
+        name, radius=radius_km, color=ink, opacity=0.75, subdivisions=2, position=tuple(path.position_km[-1]),
+        visible=False, cast_shadow=False, receive_shadow=False,
+    )  # fmt: skip
     return Mark(float(time_s), ball)
-
-
-def _place(body: Body, time_s: float) -> None:
-    flying = float(body.motion.time_s[0]) <= time_s <= body.gone_after_s
-    for handle in (body.mesh, body.tail, body.drop):
-        _set_visible(handle, flying)
-    if flying:
-        position = body.motion.position(time_s)
-        body.mesh.position, body.mesh.wxyz = position, body.motion.attitude(time_s)
-        body.tail.points = _tail(body.motion, time_s)
-        body.drop.points = _drop(position)
-
-
-def _set_visible(handle: Any, visible: bool) -> None:
-    if handle.visible != visible:
-        handle.visible = visible
-
-
-def _tail(path: Motion, time_s: float) -> NDArray[np.float64]:
-    # Just above the whole path, or the two would flicker through each other.
-    return path.tail(time_s, TAIL_S, TAIL_POINTS) + np.array([0.0, 0.0, TAIL_LIFT_KM])
-
-
-def _drop(position_km: NDArray) -> NDArray[np.float64]:
-    return segments(np.array([position_km, position_km * (1.0, 1.0, 0.0)]))
