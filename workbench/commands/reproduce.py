@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 if TYPE_CHECKING:
+    from workbench.reproduce.assembly import Flown
     from workbench.reproduce.plan import Plan
-    from workbench.reproduce.result_set import Flight, ResultSet
+    from workbench.reproduce.result_set import ResultSet
     from workbench.reproduce.seed_counts import SeedCounts
     from workbench.reproduce.session import Report
 
@@ -53,15 +54,14 @@ class Args:
 
 def run(args: Args) -> int:
     """Carry out the plan, draw, and show; returns 1 if something failed and 130 after Ctrl-C."""
-    from workbench.reproduce.session import Session
+    from workbench.reproduce.session import Session, nothing_to_fly
     from workbench.reproduce.watch import Watch
     from workbench.runs import RunStore
 
     plans = plans_of(args)
-    watch = Watch()
-    flights = _flights() if any(plan.item == "fig12" for plan in plans) else ()
     folder = results_folder(args) / args.profile
-    report = Session(plans, RunStore(args.runs), folder, flights).run(watch)
+    fly = _fly if any(plan.item == "fig12" for plan in plans) else nothing_to_fly
+    report = Session(plans, RunStore(args.runs), folder, fly).run(Watch())
     files = written(report.results, folder)
     if args.json:
         _print_json(report, files)
@@ -72,12 +72,20 @@ def run(args: Args) -> int:
     return 1 if report.failures else 0
 
 
-def _flights() -> Sequence[Flight]:
+def _fly(told: Callable[[str], None]) -> Flown:
+    """The engagements of Fig. 10 to 12."""
     from workbench.progress import bar
+    from workbench.reproduce.assembly import Flown
     from workbench.reproduce.azimuth_flights import MOST_EPISODES, shared_flights
+    from workbench.reproduce.replays import shared_replays
 
     with bar("an engagement that both policies win", "tried") as progress:
-        return shared_flights(lambda tried: progress(tried, MOST_EPISODES))
+
+        def hear(tried: int) -> None:
+            progress(tried, MOST_EPISODES)
+            told(f"an engagement that both policies win: {tried} tried, of at most {MOST_EPISODES}")
+
+        return Flown(shared_flights(hear), shared_replays(hear))
 
 
 def plans_of(args: Args) -> list[Plan]:

@@ -13,7 +13,7 @@ from workbench.reproduce.matching import Key, training_key
 from workbench.reproduce.plan import Plan, training_of
 from workbench.reproduce.protocol import SCENARIO
 from workbench.reproduce.provenance import Provenance
-from workbench.reproduce.result_set import Curve, Flight, Number, ResultSet, Training
+from workbench.reproduce.result_set import Curve, Flight, Number, Replay, ResultSet, Training
 from workbench.reproduce.stage_curves import StageRecord, points_per_curve, thinned
 
 Figures = Mapping[str, Any]
@@ -38,12 +38,25 @@ class Ended:
     """Digests of the stages' policy files, by the name of the task."""
 
 
+@dataclass(frozen=True)
+class Flown:
+    """Single engagements that are shown."""
+
+    flights: Sequence[Flight] = ()
+    """Fig. 12."""
+    replays: Sequence[Replay] = ()
+    """Fig. 10 and 11."""
+
+
+NOTHING_FLOWN = Flown()
+
+
 def assemble(
     plan: Plan,
     origin: Provenance,
     ended: Mapping[Key, Ended],
     measured: Iterable[tuple[Evaluation, Figures]],
-    flights: Sequence[Flight] = (),
+    flown: Flown = NOTHING_FLOWN,
 ) -> ResultSet:
     """The result set of an item as far as it has come.
 
@@ -52,7 +65,7 @@ def assemble(
         origin: digests and version that all numbers share.
         ended: trainings that have ended.
         measured: the plan's evaluations whose figures are known, in the plan's order.
-        flights: engagements of Fig. 12.
+        flown: engagements of Fig. 10 to 12.
     """
     mine = [ended[key] for config in plan.trainings if (key := training_key(config)) in ended]
     return ResultSet(
@@ -70,7 +83,8 @@ def assemble(
         trainings=tuple(_training(plan, one) for one in mine),
         numbers=tuple(_number(plan, ended, *pair) for pair in measured),
         curves=tuple(_curves(plan, mine)) if plan.item in CURVED else (),
-        flights=tuple(flights),
+        flights=tuple(flown.flights),
+        replays=tuple(flown.replays),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -35,25 +35,25 @@ def shared_flights(told: Callable[[int], None] = lambda episode: None) -> tuple[
     task = task_for(SCENARIO)
     for episode in range(MOST_EPISODES):
         told(episode)
-        flown = list(_flown(task, episode))
-        if len(flown) == len(PILOTS):
+        flown = both_win(task, REPORT_SEED, episode)
+        if flown:
             return tuple(flight_of(variant, trajectory) for variant, trajectory in flown)
     return ()
 
 
-def _flown(task: Task, episode: int) -> Iterator[tuple[str, Trajectory]]:
-    """Flights of one episode until one fails."""
+def both_win(task: Task, seed: int, episode: int) -> list[tuple[str, Trajectory]]:
+    """Both policies' flights of one episode, by key of `protocol.LABELS`; empty unless both evade all and arrive."""
     from agents.policy import bind
     from workbench.policies import resolve_policy
 
     # The expert fails more often: ask it first, show it second.
     found = {}
     for variant, policy in reversed(PILOTS.items()):
-        found[variant] = fly(task, bind(resolve_policy(policy), task), policy, REPORT_SEED, episode)
+        found[variant] = fly(task, bind(resolve_policy(policy), task), policy, seed, episode)
         evaded = all(missile.fate is Fate.EVADED for missile in found[variant].missiles)
         if not (evaded and found[variant].success):
-            return
-    yield from ((variant, found[variant]) for variant in PILOTS)
+            return []
+    return [(variant, found[variant]) for variant in PILOTS]
 
 
 def flight_of(variant: str, trajectory: Trajectory) -> Flight:

@@ -32,7 +32,8 @@ def training_key(config: TrainingConfig) -> Key:
 def matching_runs(store: RunStore, keys: Iterable[Key], scenario_digest: str) -> dict[Key, Run]:
     """For each of these trainings the run that is furthest: finished, running, queued, or ended early; newest first.
 
-    A finished run counts only if it was trained in this very scenario.
+    A finished run counts only if it was trained in this very scenario and still has the policies of all its stages:
+    runs may have been copied together from several folders.
     """
     wanted = set(keys)
     found: dict[Key, tuple[int, Run]] = {}
@@ -40,11 +41,18 @@ def matching_runs(store: RunStore, keys: Iterable[Key], scenario_digest: str) ->
         if run.problem or (key := training_key(run.config)) not in wanted:
             continue
         rank = _RANK.get(run.state.state, _ENDED_EARLY)
-        if rank == 0 and _trained_in(run) != scenario_digest:
+        if rank == 0 and (_trained_in(run) != scenario_digest or not _whole(run)):
             continue
         if key not in found or rank < found[key][0]:
             found[key] = (rank, run)
     return {key: run for key, (_, run) in found.items()}
+
+
+def _whole(run: Run) -> bool:
+    """Whether every stage left its policy."""
+    config = run.config
+    stages = config.missiles if config.curriculum else 1
+    return sum(1 for _ in (run.path / "policies").glob("*.safetensors")) >= stages
 
 
 def _trained_in(run: Run) -> str:

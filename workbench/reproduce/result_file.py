@@ -5,19 +5,30 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, get_args
 
 from sim.errors import SubMasError
 from workbench.reproduce.protocol import Item
-from workbench.reproduce.result_set import SCHEMA, Curve, Flight, MissileCurve, Number, ResultSet, Training
+from workbench.reproduce.result_set import (
+    SCHEMA,
+    Curve,
+    Flight,
+    MissileCurve,
+    Number,
+    Replay,
+    ReplayMissile,
+    ResultSet,
+    Training,
+)
 from workbench.run_files import strict, write_bytes
 
 SIZE_LIMIT: Final = 2_000_000
 """Largest file that is read [bytes]; a full one of ten seeds has less than 200 000."""
 ITEM_NAMES: Final = get_args(Item)
-LISTS: Final = ("trainings", "numbers", "curves", "flights")
-OPTIONAL: Final = ("seed_counts",)
+LISTS: Final = ("trainings", "numbers", "curves", "flights", "replays")
+OPTIONAL: Final = ("seed_counts", "replays")
 """Left out of the file where they say nothing."""
 
 
@@ -30,7 +41,7 @@ def to_text(result: ResultSet) -> str:
     values = strict(dataclasses.asdict(result))
     head = {n: value for n, value in values.items() if n not in LISTS and (value or n not in OPTIONAL)}
     lines = [f"  {json.dumps(name)}: {_compact(value)}" for name, value in sorted(head.items())]
-    for name in LISTS:
+    for name in (name for name in LISTS if values[name] or name not in OPTIONAL):
         # What is empty stands for itself.
         rows = ",\n".join(f"    {_compact({key: v for key, v in row.items() if v != ''})}" for row in values[name])
         lines.append(f'  "{name}": [\n{rows}\n  ]' if rows else f'  "{name}": []')
@@ -91,8 +102,16 @@ def from_json(values: Any) -> ResultSet:
         "numbers": tuple(_checked(Number(**number)) for number in plain["numbers"]),
         "curves": tuple(Curve(**curve) for curve in plain["curves"]),
         "flights": tuple(flights),
+        "replays": tuple(_replay(replay) for replay in plain.get("replays", ())),
     }
     return ResultSet(**{**plain, **parts})
+
+
+def _replay(values: Mapping[str, Any]) -> Replay:
+    replay = Replay(**{**values, "missiles": tuple(ReplayMissile(**missile) for missile in values["missiles"])})
+    if not len(replay.time_s) == len(replay.evader_km) == len(replay.interceptor_km) > 0:
+        raise ValueError(f"the replay of {replay.variant} has tracks of different lengths")
+    return replay
 
 
 def _checked(number: Number) -> Number:

@@ -116,6 +116,40 @@ class Flight:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ReplayMissile:
+    """One missile seen from above; its points are those of consecutive times of the replay."""
+
+    number: int
+    fate: str
+    end_s: float | None
+    first: int
+    """Index of its first point among the replay's times."""
+    track_km: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Replay:
+    """One engagement seen from above (Fig. 10, 11), over T times; the Fly page shows it in 3-D under its seed."""
+
+    variant: str
+    policy: str
+    seed: int
+    outcome: str
+    duration_s: float
+    moment_s: float
+    """When most missiles fly and the closest is nearest: panel (a) of the paper's figures."""
+    field_km: tuple[float, float]
+    """Length and width of the battlefield."""
+    exit_km: tuple[float, float]
+    """Middle of the exit on the right edge, and half its width."""
+    time_s: tuple[float, ...]
+    evader_km: tuple[tuple[float, float], ...]
+    interceptor_km: tuple[tuple[float, float], ...]
+    missiles: tuple[ReplayMissile, ...]
+    scenario_digest: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class ResultSet:
     """The content of one file."""
 
@@ -136,6 +170,8 @@ class ResultSet:
     numbers: tuple[Number, ...] = ()
     curves: tuple[Curve, ...] = ()
     flights: tuple[Flight, ...] = ()
+    replays: tuple[Replay, ...] = ()
+    """Fig. 10 and 11, in the result set of Fig. 12."""
     seed_counts: Mapping[str, int] = field(default_factory=dict)
     """Trainings that were asked for by algorithm; one that is not named was asked for with all seeds."""
     schema: int = SCHEMA

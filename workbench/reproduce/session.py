@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim.errors import SubMasError
 from workbench.launcher import cpu_count
-from workbench.reproduce.assembly import assemble
+from workbench.reproduce.assembly import NOTHING_FLOWN, Flown, assemble
 from workbench.reproduce.eta import left_s, training_s
+from workbench.reproduce.job import BusyError, Job, JobFile, kind_of, working
 from workbench.reproduce.measurements import Measurements, known_figures
 from workbench.reproduce.plan import Plan
 from workbench.reproduce.provenance import provenance
 from workbench.reproduce.result_file import save
-from workbench.reproduce.result_set import Flight, ResultSet
+from workbench.reproduce.result_set import ResultSet
 from workbench.reproduce.trainings import Trainings
 from workbench.reproduce.watch import Standing, Watch
-from workbench.run_files import take_lock
-from workbench.runs import RunsFolderError, RunStore
+from workbench.run_folder import now
+from workbench.runs import RunStore
+
+__all__ = ["BusyError", "Report", "Session"]
 
 TICK_S = 0.5
-LOCK = ".reproduce.lock"
+Fly = Callable[[Callable[[str], None]], Flown]
+"""Flies single engagements; it is handed who wants to hear how far it is."""
 
 
-class BusyError(SubMasError):
-    """Two reproductions would train the same things twice."""
+def nothing_to_fly(told: Callable[[str], None]) -> Flown:
+    """For items that show no single engagement."""
+    return NOTHING_FLOWN
 
 
 @dataclass(frozen=True)
@@ -45,9 +48,10 @@ class Report:
 class Session:
     """One call of `workbench reproduce`."""
 
-    def __init__(self, plans: Sequence[Plan], store: RunStore, folder: Path, flights: Sequence[Flight] = ()) -> None:
-        """Result sets go to `folder`; `flights` are those of Fig. 12."""
-        self._plans, self._store, self._folder, self._flights = plans, store, folder, tuple(flights)
+    def __init__(self, plans: Sequence[Plan], store: RunStore, folder: Path, fly: Fly = nothing_to_fly) -> None:
+        """Result sets go to `folder`; `fly` makes the engagements of Fig. 10 to 12, and tells how far it is."""
+        self._plans, self._store, self._folder, self._fly = plans, store, folder, fly
+        self._flown = NOTHING_FLOWN
         self._origin = provenance()
         self._trainings = Trainings(plans, store, self._origin.scenario_digest)
         self._measurements = Measurements(plans, store.root, known_figures(folder, self._origin))
@@ -59,20 +63,39 @@ class Session:
             BusyError: another reproduction works with these runs.
             SubMasError: a folder cannot be written.
         """
-        interrupted = False
-        with self._alone(), watch:
-            try:
-                while self._round(watch):
-                    time.sleep(TICK_S)
-            except KeyboardInterrupt:
-                interrupted = True
-                watch.say(self._farewell())
-            finally:
-                self._measurements.stop()
-        failed = [one.error for one in self._trainings.ended.values() if one.error]
-        return Report(self._write(), interrupted, (*failed, *self._measurements.failures.values()))
+        with working(self._store.root, kind_of([plan.item for plan in self._plans]), self._job()) as file:
+            interrupted = self._work(watch, file)
+            failed = [one.error for one in self._trainings.ended.values() if one.error]
+            report = Report(self._write(), interrupted, (*failed, *self._measurements.failures.values()))
+            file.end("interrupted" if interrupted else "failed" if report.failures else "finished")
+        return report
 
-    def _round(self, watch: Watch) -> bool:
+    def _work(self, watch: Watch, file: JobFile) -> bool:
+        """Work until all is done (False) or Ctrl-C (True)."""
+        try:
+            # Before the watch begins to draw: a terminal has one set of bars at a time.
+            self._flown = self._fly(lambda words: file.update(doing=words))
+            with watch:
+                while self._round(watch, file):
+                    time.sleep(TICK_S)
+        except KeyboardInterrupt:
+            farewell = self._farewell()
+            watch.say(farewell)
+            file.say(farewell)
+            return True
+        finally:
+            self._measurements.stop()
+        return False
+
+    def _job(self) -> Job:
+        items = tuple(plan.item for plan in self._plans)
+        command = self._plans[0].command if len(items) == 1 else f"workbench reproduce {' + '.join(items)}"
+        return Job(
+            items=items, profile=self._plans[0].profile, command=command, results=str(self._folder), pid=os.getpid(),
+            started=now(),
+        )  # fmt: skip
+
+    def _round(self, watch: Watch, file: JobFile) -> bool:
         """Bring everything a step further; whether anything is left to do."""
         news = self._trainings.round()
         ended = self._trainings.ended
@@ -82,8 +105,10 @@ class Session:
             self._write()
         standing = self._standing()
         watch.show(standing)
+        file.update(doing=standing.summary, share=standing.share, running=tuple(run.id for run in standing.running))
         for line in news:
             watch.say(f"{line}; {standing.summary}")
+            file.say(line)
         return not self._trainings.done or self._measurements.flying > 0 or bool(self._measurements.due(ended))
 
     def _write(self) -> dict[str, ResultSet]:
@@ -91,8 +116,8 @@ class Session:
         ended = self._trainings.ended
         for plan in self._plans:
             measured = list(self._measurements.known(plan, ended))
-            flights = self._flights if plan.item == "fig12" else ()
-            results[plan.item] = assemble(plan, self._origin, ended, measured, flights)
+            flown = self._flown if plan.item == "fig12" else NOTHING_FLOWN
+            results[plan.item] = assemble(plan, self._origin, ended, measured, flown)
             save(results[plan.item], self._folder / f"{plan.item}.json")
         return results
 
@@ -122,23 +147,3 @@ class Session:
             f"background ({runs}) and nothing new is started; the same command picks them up, 'workbench stop RUN' "
             "ends one"
         )
-
-    @contextlib.contextmanager
-    def _alone(self) -> Iterator[None]:
-        """Hold the lock that keeps a second reproduction out of this runs folder; without trainings none is needed."""
-        if not self._trainings.configs:
-            yield
-            return
-        try:
-            self._store.root.mkdir(parents=True, exist_ok=True)
-            lock = take_lock(self._store.root / LOCK)
-        except OSError as error:
-            raise RunsFolderError(f"runs folder {self._store.root} cannot be written: {error.strerror}") from error
-        if lock is None:
-            raise BusyError(
-                f"another reproduction works in {self._store.root}; wait for it, or choose other runs with --runs"
-            )
-        try:
-            yield
-        finally:
-            os.close(lock)

@@ -28,6 +28,14 @@ class Standing:
     running: Sequence[Run]
 
     @property
+    def share(self) -> float:
+        """Share of all work that is done, 0 to 1."""
+        if not self.trainings:
+            return self.flown / self.evaluations if self.evaluations else 1.0
+        # A training weighs as much as the evaluations of a few hundred policies.
+        return (self.trained + sum(run.state.progress for run in self.running)) / self.trainings
+
+    @property
     def summary(self) -> str:
         """In a few words."""
         parts = [f"{self.trained}/{self.trainings} trained"] if self.trainings else []
@@ -67,10 +75,7 @@ class Watch:
 
     def show(self, standing: Standing) -> None:
         """Bring the rows up to date."""
-        done = standing.trained + sum(run.state.progress for run in standing.running)
-        # A training weighs as much as the evaluations of a few hundred policies.
-        share = done / standing.trainings if standing.trainings else standing.flown / max(standing.evaluations, 1)
-        self._progress.update(self._whole, completed=share, figures=standing.summary)
+        self._progress.update(self._whole, completed=standing.share, figures=standing.summary)
         for run_id in set(self._rows) - {run.id for run in standing.running}:
             self._progress.remove_task(self._rows.pop(run_id))
         for run in standing.running:

@@ -7,7 +7,16 @@ from collections.abc import Callable, Sequence
 from agents.evaluation import wilson_interval
 from workbench.reproduce.plan import make_plan
 from workbench.reproduce.protocol import EPISODES, Item
-from workbench.reproduce.result_set import Curve, Flight, MissileCurve, Number, ResultSet, Training
+from workbench.reproduce.result_set import (
+    Curve,
+    Flight,
+    MissileCurve,
+    Number,
+    Replay,
+    ReplayMissile,
+    ResultSet,
+    Training,
+)
 from workbench.reproduce.seed_counts import SeedCounts
 
 Success = Callable[[str, str, int, str], float]
@@ -50,7 +59,8 @@ def made(
     return ResultSet(
         item=item, profile="fast", scenario="default", scenario_digest="0123456789ab", episodes=EPISODES,
         seeds=tuple(range(seeds)) if plan.trainings else (), command=plan.command, code_version="0.1.0",
-        source_digest="ba9876543210", left_out=plan.left_out, trainings=tuple(trainings), numbers=tuple(numbers), curves=tuple(curves),
+        source_digest="ba9876543210", left_out=plan.left_out, trainings=tuple(trainings), numbers=tuple(numbers),
+        curves=tuple(curves), replays=tuple(replay(v) for v in ("submas", "expert")) if item == "fig12" else (),
         flights=tuple(flight(variant) for variant in ("submas", "expert")) if item == "fig12" else (),
     )  # fmt: skip
 
@@ -84,4 +94,18 @@ def flight(variant: str, beam_share: float = 0.9) -> Flight:
         variant=variant, policy="submas-target", seed=2**46, episode=3, outcome="exit", duration_s=900.0,
         beam_share=beam_share, time_s=(0.0, 1.0, 2.0, 3.0), missiles=missiles, scenario_digest="0123456789ab",
         command="workbench reproduce fig12",
+    )  # fmt: skip
+
+
+def replay(variant: str) -> Replay:
+    """Three points; missile 2 is fired late and misses, the others never are."""
+    missiles = (
+        ReplayMissile(number=1, fate="evaded", end_s=8.0, first=0, track_km=((50.0, 0.0), (10.0, 5.0), (0.0, 9.0))),
+        ReplayMissile(number=2, fate="evaded", end_s=8.0, first=1, track_km=((40.0, 0.0), (5.0, 5.0))),
+    )
+    return Replay(
+        variant=variant, policy="submas-target", seed=4, outcome="exit", duration_s=900.0, moment_s=4.0,
+        field_km=(220.0, 100.0), exit_km=(0.0, 5.0), time_s=(0.0, 4.0, 8.0),
+        evader_km=((-100.0, 0.0), (-50.0, 20.0), (110.0, 1.0)), interceptor_km=((90.0, 0.0), (50.0, 0.0), (20.0, 3.0)),
+        missiles=missiles, scenario_digest="0123456789ab",
     )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import signal
 import time
 from collections.abc import Iterator
@@ -15,6 +16,8 @@ import pytest
 from sim.scenario_file import load_scenario
 from workbench import launcher
 from workbench.reproduce import evaluations, session, trainings
+from workbench.reproduce.cost import cost
+from workbench.reproduce.job import LOCKS, Job, job_path, read_job
 from workbench.reproduce.plan import make_plan, training_of
 from workbench.reproduce.protocol import Item
 from workbench.reproduce.result_file import load
@@ -76,7 +79,7 @@ class Quiet(Watch):
 
 def reproduce(store: RunStore, item: Item = "fig9", seeds: int = 1, watch: Watch | None = None) -> Report:
     plan = make_plan(item, "smoke", SeedCounts.each(seeds), 100)
-    return Session([plan], store, store.root / "results", ()).run(watch or Quiet())
+    return Session([plan], store, store.root / "results").run(watch or Quiet())
 
 
 def written(store: RunStore, item: Item = "fig9") -> ResultSet:
@@ -208,7 +211,7 @@ def test_cores_are_not_overbooked(store: RunStore, monkeypatch: pytest.MonkeyPat
 
 
 def test_two_at_once_in_one_folder_are_refused(store: RunStore) -> None:
-    lock = take_lock(store.root / session.LOCK)
+    lock = take_lock(store.root / LOCKS["trainings"])
     assert lock is not None
     with contextlib.closing(os.fdopen(lock)), pytest.raises(BusyError, match="another reproduction works in"):
         reproduce(store)
@@ -231,3 +234,70 @@ def test_result_sets_are_written_while_trainings_go_on(store: RunStore) -> None:
     deadline = time.monotonic() + PATIENCE_S
     reproduce(store, watch=Releasing())
     assert len(written(store).numbers) == 3
+
+
+def test_runs_copied_together_from_other_folders_count_as_they_are(store: RunStore, tmp_path: Path) -> None:
+    reproduce(store)
+    first = written(store)
+    elsewhere = RunStore(tmp_path / "elsewhere")
+    elsewhere.root.mkdir()
+    for name in ("scenario.txt", "told.json"):
+        shutil.copy(store.root / name, elsewhere.root / name)
+    for run in store.list():
+        shutil.move(run.path, elsewhere.root / run.id)
+    assert not reproduce(elsewhere).failures
+    moved = written(elsewhere)
+    assert {run.run for run in moved.trainings} == {run.run for run in first.trainings}
+    assert len(elsewhere.list()) == 3  # nothing was trained again
+    assert (moved.numbers, moved.curves) == (first.numbers, first.curves)
+    # Flown from where they lie now, told as a reader would write it.
+    assert all(line.startswith(str(elsewhere.root)) for line in flown(elsewhere))
+    assert all(number.command.startswith("workbench evaluate runs/") for number in moved.numbers)
+
+
+def test_a_run_that_was_copied_without_its_policies_is_trained_again(store: RunStore) -> None:
+    reproduce(store)
+    (run,) = [run for run in store.list() if run.config.variant == "submas"]
+    (run.path / "policies" / "source-2.safetensors").unlink()
+    assert not reproduce(store).failures
+    assert sum(run.config.variant == "submas" for run in store.list()) == 2
+
+
+def test_how_it_stands_is_in_a_file_while_it_works_and_afterwards(store: RunStore) -> None:
+    class Looking(Quiet):
+        """Reads the file as a page would."""
+
+        def show(self, standing: Standing) -> None:
+            super().show(standing)
+            seen.append(read_job(store.root, "trainings"))
+
+    seen: list[Job | None] = []
+    reproduce(store, watch=Looking())
+    assert {(job.state, job.pid, job.items, job.profile) for job in seen if job} == {
+        ("running", os.getpid(), ("fig9",), "smoke")
+    }
+    last = read_job(store.root, "trainings")
+    assert last is not None and (last.state, last.running) == ("finished", ())
+    assert last.doing.startswith("3/3 trained, 3/3 evaluated") and last.share == 1.0
+    assert any(line == "TD3 seed 0 is trained" for line in last.lines)
+    assert read_job(store.root, "flights") is None
+
+
+def test_one_that_was_killed_is_known_to_have_died(store: RunStore) -> None:
+    reproduce(store)
+    path = job_path(store.root, "trainings")
+    path.write_text(path.read_text().replace('"finished"', '"running"'))
+    last = read_job(store.root, "trainings")
+    assert last is not None and last.state == "died"
+    path.write_text("[]")
+    assert read_job(store.root, "trainings") is None
+
+
+def test_the_cost_counts_what_is_missing(store: RunStore) -> None:
+    plan = make_plan("fig9", "smoke", SeedCounts.each(2), 100)
+    before = cost(plan, store)
+    assert (before.trainings, before.there, before.under_way, before.evaluations) == (6, 0, 0, 6)
+    reproduce(store)
+    after = cost(plan, store)
+    assert (after.trainings, after.there, after.under_way) == (6, 3, 0)
+    assert 0.0 < after.left_s < before.left_s
