@@ -15,10 +15,10 @@ from typing import Any
 from bokeh.models import ColumnDataSource, HoverTool, TapTool
 from bokeh.plotting import figure
 
-from layouts.lattice_places import Mask, Plan, masks_by_level, nested_chain, plan
-from layouts.theme import NEUTRAL, POLICY_A, SUCCESS
+from layouts.lattice_places import CHIP_PITCH, Mask, Plan, chain_of, masks_by_level, nested_chain, plan
+from layouts.theme import NEUTRAL, POLICY_A, SUCCESS, missile_colour
 
-__all__ = ["Lattice", "Mask", "lattice_figure", "mask_text", "masks_by_level", "nested_chain"]
+__all__ = ["Lattice", "Mask", "chain_of", "lattice_figure", "mask_text", "masks_by_level", "nested_chain"]
 
 Columns = dict[str, list[Any]]
 
@@ -28,7 +28,7 @@ def mask_text(mask: Iterable[int]) -> str:
     return ",".join(str(number) for number in sorted(mask))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Lattice:
     """The figure with its nodes and links; a tap selects a node, whose `mask` is text as in `--mask`."""
 
@@ -39,14 +39,15 @@ class Lattice:
     """The name of the selected task where nodes are too small for names: one row or none."""
     plan: Plan
     chain: tuple[Mask, ...]
+    """The chain that is drawn, easiest task first."""
 
-    def select(self, mask: Mask) -> None:
-        """Mark this task, and where there is no room for all links, draw those of its neighbours."""
+    def select(self, mask: Mask, chain: Sequence[Mask] | None = None) -> None:
+        """Mark this task and the chain; where there is no room for all links, draw those of the task's neighbours."""
+        self.chain = self.chain if chain is None else tuple(chain)
         marks = _marks(self.plan, self.chain, mask)
         self.nodes.patch({name: [(slice(None), values)] for name, values in marks.items()})
-        if not self.plan.roomy:
-            self.links.data = dict(_links(self.plan, self.chain, mask))
-            self.tag.data = dict(_tag(self.plan, self.chain, mask))
+        self.links.data = dict(_links(self.plan, self.chain, mask))
+        self.tag.data = dict(_tag(self.plan, mask))
 
 
 def lattice_figure(
@@ -54,6 +55,7 @@ def lattice_figure(
     selected: Mask | None = None,
     success: Mapping[Mask, float] | None = None,
     height: int = 420,
+    chain: Sequence[Mask] | None = None,
 ) -> Lattice:
     """The lattice of a target task.
 
@@ -62,9 +64,10 @@ def lattice_figure(
         selected: the mask to mark.
         success: success rate 0 to 1 by mask, written under the names of tasks that have one.
         height: height of the figure [px].
+        chain: masks of the tasks to train, easiest first; Table 1's chain when left out.
     """
-    chain = tuple(nested_chain(missiles))
-    layout = plan(missiles, chain)
+    chain = tuple(nested_chain(missiles) if chain is None else chain)
+    layout = plan(missiles)
     fig = figure(
         height=height, sizing_mode="stretch_width", tools="", toolbar_location=None,
         x_range=(-0.6, missiles + 0.6), y_range=(-0.62, 0.62),
@@ -78,9 +81,11 @@ def lattice_figure(
         fig.xaxis.major_label_overrides = {n: f"{n}: {k} task{'s' * (k > 1)}" for n, k in counts.items()}
     links = ColumnDataSource(_links(layout, chain, selected))
     fig.segment("x0", "y0", "x1", "y1", source=links, color="ink", line_width="width", alpha="alpha")
-    nodes = ColumnDataSource(_nodes(layout, chain, success or {}) | _marks(layout, chain, selected))
-    tag = ColumnDataSource(_tag(layout, chain, selected))
+    nodes = ColumnDataSource(_nodes(layout, success or {}) | _marks(layout, chain, selected))
+    tag = ColumnDataSource(_tag(layout, selected))
     _draw_nodes(fig, nodes, layout)
+    if layout.roomy:
+        _draw_missiles(fig, layout)
     fig.text(
         "x", "y", text="text", source=tag, text_color="#ffffff", text_font_size="12px", text_font_style="bold",
         y_offset=-22, text_align="center", text_baseline="middle", level="overlay",
@@ -89,9 +94,10 @@ def lattice_figure(
     return Lattice(fig, nodes, links, tag, layout, chain)
 
 
-def _nodes(layout: Plan, chain: Sequence[Mask], success: Mapping[Mask, float]) -> Columns:
-    """What does not change: place, size, mask, names, and how each node is filled."""
+def _nodes(layout: Plan, success: Mapping[Mask, float]) -> Columns:
+    """What does not change: place, size, mask and names."""
     masks, every = list(layout.places), max(layout.places, key=len)
+    spine = nested_chain(len(every))
     kept = [sorted(every - mask) for mask in masks]
     return {
         "x": [layout.places[m][0] for m in masks],
@@ -99,27 +105,27 @@ def _nodes(layout: Plan, chain: Sequence[Mask], success: Mapping[Mask, float]) -
         "width": [layout.sizes[m][0] for m in masks],
         "height": [layout.sizes[m][1] for m in masks],
         "mask": [mask_text(m) for m in masks],
-        "name": [_name(numbers, layout, m in chain) for m, numbers in zip(masks, kept, strict=True)],
-        "font": ["13px" if layout.roomy or m in chain else "10px" for m in masks],
+        "name": [_name(numbers, layout, m in spine) for m, numbers in zip(masks, kept, strict=True)],
+        "font": ["13px" if m in spine else "10px" for m in masks],
         "caption": [f"{success[m]:.1%}" if m in success else "" for m in masks],
         "task": [_task_text(numbers, len(every)) for numbers in kept],
-        "fill": [POLICY_A if m in chain else NEUTRAL for m in masks],
-        "fill_alpha": [0.9 if m in chain else 0.16 for m in masks],
     }
 
 
 def _marks(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Columns:
-    """What follows the selection: rings and the colours of names."""
-    masks = list(layout.places)
+    """What follows the selection and the chain: filling, rings and the colours of names."""
+    masks, solid = list(layout.places), 0.3 if layout.roomy else 0.9
     return {
+        "fill": [POLICY_A if m in chain else NEUTRAL for m in masks],
+        "fill_alpha": [solid if m in chain else (0.1 if layout.roomy else 0.16) for m in masks],
         "ring": [SUCCESS if m == selected else (POLICY_A if m in chain else NEUTRAL) for m in masks],
-        "ring_width": [5.0 if m == selected and layout.roomy else (3.5 if m == selected else 1.5) for m in masks],
+        "ring_width": [3.5 if m == selected else (2.0 if m in chain else 1.0) for m in masks],
         "ink": ["#ffffff" if m in chain else (SUCCESS if m == selected else NEUTRAL) for m in masks],
     }
 
 
-def _tag(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Columns:
-    if layout.named or selected is None or selected in chain:
+def _tag(layout: Plan, selected: Mask | None) -> Columns:
+    if layout.named or selected is None or selected in nested_chain(len(max(layout.places, key=len))):
         return {"x": [], "y": [], "text": []}
     x, y = layout.places[selected]
     return {"x": [x], "y": [y], "text": [" ".join(map(str, sorted(max(layout.places, key=len) - selected)))]}
@@ -172,14 +178,35 @@ def _task_text(numbers: Sequence[int], missiles: int) -> str:
 def _draw_nodes(fig: figure, source: ColumnDataSource, layout: Plan) -> None:
     nodes = fig.rect(
         "x", "y", source=source, width="width", height="height", width_units="screen", height_units="screen",
-        border_radius=23 if layout.roomy else (7 if layout.named else 4), fill_color="fill", fill_alpha="fill_alpha",
+        border_radius=15 if layout.roomy else (7 if layout.named else 4), fill_color="fill", fill_alpha="fill_alpha",
         line_color="ring", line_width="ring_width", nonselection_alpha=1.0, hover_line_color=SUCCESS,
         hover_fill_alpha=1.0,
     )  # fmt: skip
     nodes.nonselection_glyph = None
     nodes.selection_glyph = None
-    offset = -33 if layout.roomy else -24
+    offset = -25 if layout.roomy else -24
     common = {"source": source, "text_align": "center", "text_baseline": "middle", "level": "overlay"}
-    fig.text("x", "y", text="name", text_color="ink", text_font_size="font", text_font_style="bold", **common)
+    if not layout.roomy:
+        fig.text("x", "y", text="name", text_color="ink", text_font_size="font", text_font_style="bold", **common)
     fig.text("x", "y", text="caption", text_color=NEUTRAL, text_font_size="11px", y_offset=offset, **common)
     fig.add_tools(TapTool(renderers=[nodes]), HoverTool(renderers=[nodes], tooltips=[("", "@task"), ("mask", "@mask")]))
+
+
+def _draw_missiles(fig: figure, layout: Plan) -> None:
+    """Every missile of a task in its colour; a dot where one is masked."""
+    every = sorted(max(layout.places, key=len))
+    middle = (len(every) + 1) / 2
+    for missile in every:
+        shift = CHIP_PITCH * (missile - middle)
+        common = {"x_offset": shift, "text_align": "center", "text_baseline": "middle", "level": "overlay"}
+        flown = [place for mask, place in layout.places.items() if missile not in mask]
+        fig.text(
+            [x for x, _ in flown], [y for _, y in flown], text=[str(missile)] * len(flown), text_color="#ffffff",
+            text_font_size="11px", text_font_style="bold", background_fill_color=missile_colour(missile),
+            padding=[2, 5], border_radius=8, **common,
+        )  # fmt: skip
+        masked = [place for mask, place in layout.places.items() if missile in mask]
+        fig.text(
+            [x for x, _ in masked], [y for _, y in masked], text=["·"] * len(masked), text_color=NEUTRAL,
+            text_font_size="15px", **common,
+        )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Where the lattice draws each task: round nodes while they are few, else the chain above blocks of small ones."""
+"""Where the lattice draws each task: wide nodes while they are few, else Table 1's chain above blocks of small ones."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ Place = tuple[float, float]
 Size = tuple[float, float]
 
 ROOMY_UP_TO = 4
-"""Missiles up to which every task is a round node with all its links: 16 tasks."""
+"""Missiles up to which every task is a wide node with all its links: 16 tasks."""
 NAMED_UP_TO = 6
 """Missiles up to which every task has its name written on it: 64 tasks."""
-ROUND: Size = (46.0, 46.0)
+WIDE_HEIGHT, CHIP_PITCH = 30.0, 19.0
+"""Height of a wide node, and distance of the missiles drawn on it [px]."""
 CHAIN: Size = (46.0, 26.0)
 """Width and height of nodes [px]."""
 CHAIN_Y, BLOCK_Y = 0.5, -0.1
-"""Height of the chain, and of the middle of the blocks below it, where nodes are not round."""
+"""Height of the chain, and of the middle of the blocks below it, where nodes are not wide."""
 PLOT: Size = (580.0, 1.0 / 1.24 * 372.0)
 """Width of all levels, and height of one unit, of the smallest figure in which nothing may touch [px]."""
 
@@ -53,15 +54,21 @@ def masks_by_level(missiles: int) -> list[list[Mask]]:
 
 def nested_chain(missiles: int) -> list[Mask]:
     """Algorithm 3's chain of Table 1, from the easiest task (all masked) to the target (none masked)."""
-    return [frozenset(range(count + 1, missiles + 1)) for count in range(missiles + 1)]
+    return chain_of(missiles, range(1, missiles + 1))
 
 
-def plan(missiles: int, chain: Sequence[Mask]) -> Plan:
+def chain_of(missiles: int, met: Sequence[int]) -> list[Mask]:
+    """Algorithm 3's chain in which missiles are met in this order, from the task without any to that with all of it."""
+    every = frozenset(range(1, missiles + 1))
+    return [every - frozenset(met[:count]) for count in range(len(met) + 1)]
+
+
+def plan(missiles: int) -> Plan:
     """How to draw the 2^n tasks of n missiles."""
-    levels = masks_by_level(missiles)
+    levels, chain = masks_by_level(missiles), nested_chain(missiles)
     if missiles <= ROOMY_UP_TO:
         places = {mask: place for level, masks in enumerate(levels) for mask, place in _column(level, masks)}
-        return Plan(True, True, places, dict.fromkeys(places, ROUND))
+        return Plan(True, True, places, dict.fromkeys(places, (CHIP_PITCH * missiles + 12.0, WIDE_HEIGHT)))
     places, sizes, style = {}, {}, _style(missiles)
     for level, masks in enumerate(levels):
         others = [mask for mask in masks if mask not in chain]
