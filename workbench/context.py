@@ -1,4 +1,4 @@
-"""What every page of one running server shares: the runs, the recordings and the live 3-D scenes."""
+"""What every page of one running server shares: the runs, their index, the recordings and the live 3-D scenes."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from workbench.recordings import Recordings
+from workbench.run_index import RunIndex
 from workbench.runs import RunStore
 from workbench.viser_proxy import ViserRegistry
 
@@ -17,6 +18,12 @@ class AppContext:
     store: RunStore
     recordings: Recordings = field(default_factory=Recordings)
     viser: ViserRegistry = field(default_factory=ViserRegistry)
+    index: RunIndex = field(init=False)
+    """Of the runs of `store`; not opened before it is asked."""
+
+    def __post_init__(self) -> None:
+        """Give the runs their index."""
+        object.__setattr__(self, "index", RunIndex(self.store.root))
 
     @classmethod
     def of(cls, runs: Path) -> AppContext:

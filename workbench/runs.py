@@ -1,9 +1,11 @@
-"""The runs folder: one folder per training, which is the truth about it."""
+"""The runs folder: one folder per training, which is the truth about it, and the trash, from which runs come back."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import secrets
+import shutil
 import string
 import time
 from collections.abc import Iterator
@@ -19,9 +21,12 @@ from workbench.run_state import RunState
 if TYPE_CHECKING:
     from agents.config import TrainingConfig
 
-__all__ = ["LAUNCHER_LOCK", "Run", "RunBusyError", "RunStore", "RunsFolderError", "UnknownRunError", "is_run_id"]
+__all__ = [
+    "LAUNCHER_LOCK", "Run", "RunBusyError", "RunStore", "RunsFolderError", "UnknownRunError", "in_trash", "is_run_id",
+]  # fmt: skip
 
 TRASH = ".trash"
+_LEAVING = ".leaving-"
 _SUFFIX_ALPHABET = string.ascii_lowercase + string.digits
 
 
@@ -119,6 +124,75 @@ class RunStore:
             raise RunsFolderError(f"run {run_id} cannot be deleted: {error.strerror}") from error
         self._known.pop(run_id, None)
         return target
+
+    def trashed(self) -> list[Run]:
+        """Every run in the trash, newest first; of one that was deleted twice both."""
+        runs = [Run(path) for path in self._in_trash() if _trashed_id(path)]
+        for run in runs:
+            run.problem = problem_of(run)
+        return sorted(runs, key=lambda run: run.path.name, reverse=True)
+
+    def restore(self, run_id: str) -> Run:
+        """Bring a run back from the trash, the one deleted last where there are several of its id.
+
+        Raises:
+            UnknownRunError: not an id, or no such run in the trash.
+            RunBusyError: a run of this id is there already.
+        """
+        if not is_run_id(run_id):
+            raise UnknownRunError(f"{shorten(run_id)!r} is not a run id; 'workbench runs trash' lists them")
+        copies = [path for path in self._in_trash() if _trashed_id(path) == run_id]
+        if not copies:
+            raise UnknownRunError(f"run {run_id} is not in the trash; 'workbench runs trash' lists those that are")
+        target = self.root / run_id
+        try:
+            with waiting_lock(self.root / LAUNCHER_LOCK):
+                if os.path.lexists(target):
+                    raise RunBusyError(f"run {run_id} cannot be restored: a run of this id is in {self.root}")
+                os.rename(max(copies, key=_deleted_at), target)
+        except OSError as error:
+            raise RunsFolderError(f"run {run_id} cannot be restored: {error.strerror}") from error
+        return self.get(run_id)
+
+    def empty_trash(self) -> int:
+        """Remove every run in the trash for good, and say how many. Nothing else ever removes one.
+
+        Raises:
+            RunsFolderError: one cannot be removed; those before it are gone.
+        """
+        removed = 0
+        for path in self._in_trash():
+            if not _trashed_id(path) and not path.name.startswith(_LEAVING):
+                continue
+            leaving = path.with_name(f"{_LEAVING}{path.name.removeprefix(_LEAVING)}")
+            try:
+                # Renamed first: a run that is half removed is never taken for one that can be restored.
+                os.rename(path, leaving)
+                leaving.unlink() if leaving.is_symlink() or leaving.is_file() else shutil.rmtree(leaving)
+            except OSError as error:
+                raise RunsFolderError(f"{path} cannot be removed: {error.strerror}") from error
+            removed += 1
+        return removed
+
+    def _in_trash(self) -> list[Path]:
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            return sorted((self.root / TRASH).iterdir())
+        return []
+
+
+def in_trash(folder: str) -> bool:
+    """Whether a path below the runs folder is in the trash."""
+    return folder.startswith(f"{TRASH}/")
+
+
+def _trashed_id(path: Path) -> str:
+    """The id of a run in the trash, where a later deletion of the same id has a time behind it; empty for others."""
+    run_id, _, later = path.name.partition(".")
+    return run_id if is_run_id(run_id) and (not later or later.isdigit()) else ""
+
+
+def _deleted_at(path: Path) -> int:
+    return int(path.name.partition(".")[2] or 0)
 
 
 def _refuse_while_alive(run: Run) -> None:

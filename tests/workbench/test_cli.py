@@ -223,6 +223,19 @@ def test_runs_lists_shows_and_deletes(capsys: pytest.CaptureFixture[str]) -> Non
     assert RunStore("runs").list() == []
 
 
+def test_runs_come_back_from_the_trash_until_it_is_emptied(capsys: pytest.CaptureFixture[str]) -> None:
+    run = RunStore("runs").create(TrainingConfig())
+    RunStore("runs").delete(run.id)
+    assert cli.main(["runs", "trash", "--json"]) == 0
+    assert [one["id"] for one in json.loads(capsys.readouterr().out)["runs"]] == [run.id]
+    assert cli.main(["runs", "restore", run.id]) == 0
+    assert f"run {run.id} is back" in capsys.readouterr().out
+    assert cli.main(["runs", "delete", run.id]) == 0
+    assert cli.main(["runs", "empty-trash", "--json"]) == 0
+    assert '"removed": 1' in capsys.readouterr().out
+    assert RunStore("runs").trashed() == []
+
+
 def test_a_damaged_run_is_listed_with_its_reason(capsys: pytest.CaptureFixture[str]) -> None:
     store = RunStore("runs")
     good, bad = store.create(TrainingConfig()), store.create(TrainingConfig())

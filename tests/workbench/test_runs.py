@@ -89,7 +89,7 @@ HOSTILE_IDS = (
 
 
 @pytest.mark.parametrize("run_id", HOSTILE_IDS)
-@pytest.mark.parametrize("ask", ["get", "delete"])
+@pytest.mark.parametrize("ask", ["get", "delete", "restore"])
 def test_only_an_id_ever_becomes_a_path(run_id: str, ask: str, store: RunStore) -> None:
     # S8: refused by its form, before the disk is touched (the runs folder does not even exist).
     with pytest.raises(UnknownRunError, match="is not a run id") as refused:
@@ -109,6 +109,57 @@ def test_a_deleted_run_is_in_the_trash_whole(store: RunStore) -> None:
     assert moved == store.root / ".trash" / run.id
     assert json.loads((moved / "config.json").read_text())["name"] == "keep me"
     assert store.list() == []
+
+
+def test_a_deleted_run_comes_back_whole(store: RunStore) -> None:
+    run = store.create(TrainingConfig(name="keep me"))
+    before = {path.name: path.read_bytes() for path in run.path.iterdir() if path.is_file()}
+    store.delete(run.id)
+    assert [each.id for each in store.trashed()] == [run.id]
+    back = store.restore(run.id)
+    assert {path.name: path.read_bytes() for path in back.path.iterdir() if path.name in before} == before
+    assert store.list() == [back]
+    assert store.trashed() == []
+
+
+def test_of_two_deleted_under_one_id_the_later_comes_back_and_the_other_stays(store: RunStore) -> None:
+    run = store.create(TrainingConfig(name="first"))
+    copy = store.root / "copy"
+    shutil.copytree(run.path, copy)
+    store.delete(run.id)
+    write_json(copy / "config.json", TrainingConfig(name="second").to_json())
+    copy.rename(run.path)
+    with pytest.raises(RunBusyError, match="cannot be restored: a run of this id is in"):
+        store.restore(run.id)
+    store.delete(run.id)
+    assert len(store.trashed()) == 2
+    assert store.restore(run.id).config.name == "second"
+    assert [each.config.name for each in store.trashed()] == ["first"]
+
+
+def test_only_emptying_the_trash_removes_for_good_and_only_what_is_a_run(store: RunStore, tmp_path: Path) -> None:
+    precious = tmp_path / "precious"
+    precious.mkdir()
+    (precious / "file").write_text("x")
+    kept, gone, link = (store.create(TrainingConfig()) for _ in range(3))
+    shutil.rmtree(link.path)
+    link.path.symlink_to(precious)
+    for run in (gone, link):
+        store.delete(run.id)
+    mine = store.root / ".trash" / "mine.txt"
+    mine.write_text("not a run")
+    half_removed = store.root / ".trash" / f".leaving-{kept.id}"
+    half_removed.mkdir()
+    assert store.empty_trash() == 3
+    assert sorted(path.name for path in (store.root / ".trash").iterdir()) == ["mine.txt"]
+    assert (precious / "file").read_text() == "x"
+    assert [run.id for run in store.list()] == [kept.id]
+    assert store.empty_trash() == 0
+
+
+def test_what_is_not_in_the_trash_cannot_come_back(store: RunStore) -> None:
+    with pytest.raises(UnknownRunError, match="is not in the trash"):
+        store.restore("20250101-000000-aaaaaa")
 
 
 def test_a_link_is_deleted_and_not_what_it_points_to(store: RunStore, tmp_path: Path) -> None:
