@@ -94,18 +94,13 @@ def survival_axes(scenario: Scenario) -> tuple[Axis, Axis]:
 
 
 def tracks(task: Task, act: Act, seed: int, episodes: Sequence[int]) -> list[dict[str, Any]]:
-    """Engagements seen from above: how each ended, and where everything flew [km].
-
-    They are flown side by side, but the policy is asked for one lane at a time, as on the Fly page: a network rounds
-    otherwise in a batch, and a miss by a metre must stay a miss.
-    """
+    """Engagements seen from above: how each ended, and where everything flew [km]."""
     world = World(task, len(episodes), seed)
     observation = world.reset(episodes=episodes)
     places, active = [_places(world)], np.ones(world.lanes, bool)
     actions = np.zeros((world.lanes, 1), np.float32)
     while active.any():
-        for lane in np.flatnonzero(active):
-            actions[lane] = act(observation[lane : lane + 1])[0]
+        actions[active] = act(observation[active])
         observation = world.step(actions).observation
         active = world.outcome == Outcome.FLYING
         places.append(_places(world))

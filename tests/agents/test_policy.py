@@ -46,6 +46,16 @@ def test_actions_are_float32_columns_within_the_limit() -> None:
     assert np.abs(action).max() <= EVASION.action_limit
 
 
+@pytest.mark.parametrize("rows", [1, 2, 3, 7, 15, 16, 17, 100, 999])
+def test_an_action_does_not_depend_on_how_many_are_asked_for_at_once(rows: int) -> None:
+    features = EVASION.features(ObservationLayout((1, 2, 3, 4)))
+    actor = Actor(features.size, (256, 256))
+    layers = [(layer.weight.detach().numpy(), layer.bias.detach().numpy()) for layer in actor.layers]
+    policy = NetworkPolicy("wide", features, layers, EVASION.action_limit)
+    seen = observations(policy.layout, 1024)
+    np.testing.assert_array_equal(policy.act(seen[:rows], policy.layout), policy.act(seen, policy.layout)[:rows])
+
+
 def test_a_policy_flies_tasks_with_fewer_missiles_as_if_they_never_came() -> None:
     policy, task = network_policy((1, 2, 3, 4)), task_for("default", "1,4")
     seen = observations(task.layout)
