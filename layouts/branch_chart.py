@@ -51,6 +51,7 @@ class BranchCharts:
     """The figures of one scenario; `show` changes them in place."""
 
     def __init__(self, scenario: Scenario, height: int = 240) -> None:
+        self.scenario = scenario
         self._missiles = range(1, scenario.launch.missiles + 1)
         self._time = Range1d(0.0, 1.0)
         self._azimuth = _azimuth_overlay(self._missiles, height, self._time)

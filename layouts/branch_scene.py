@@ -18,7 +18,7 @@ Track = TypeVar("Track", BodyTrack, MissileTrack)
 
 def add_branch(
     server: viser.ViserServer, scene: FlightScene, on: int, branch: Trajectory, from_s: float, colour: str,
-    mode: Mode, root: str,
+    mode: Mode, root: str, letter: str = "",
 ) -> FlightScene:  # fmt: skip
     """Draw a branch from the moment `from_s` [s] on over flight `on` of a scene; what it returns moves it.
 
@@ -31,10 +31,12 @@ def add_branch(
         colour: `#rrggbb` of its evader.
         mode: dark or light ground.
         root: name above all of its names, unused so far.
+        letter: how its evader is called in the picture.
     """
     with server.atomic():
         server.scene.add_frame(root, show_axes=False)
-        bodies, marks = add_flight(server, root, later(branch, from_s), colour, ground(mode), scene.offsets_km[on])
+        shown, place = later(branch, from_s), scene.offsets_km[on]
+        bodies, marks = add_flight(server, root, shown, colour, ground(mode), place, letter)
     evaders = tuple(body.motion for body in bodies if body.mesh.name.endswith("/evader"))
     own = [mark for mark in marks if mark.time_s > from_s]
     return replace(scene, evaders=evaders, bodies=tuple(bodies), marks=tuple(own))

@@ -64,7 +64,13 @@ class Branch:
         return self.step + len(self.headings_deg)
 
 
-def fly_branch(original: Trajectory, branch: Branch, act: Act | None, record_every: int = 1) -> Trajectory:
+def fly_branch(
+    original: Trajectory,
+    branch: Branch,
+    act: Act | None,
+    record_every: int = 1,
+    state: NDArray[np.float32] | None = None,
+) -> Trajectory:
     """Fly the original's turns up to the branch's step, then the headings, then the policy; 0.5 s in a typical flight.
 
     Up to that moment it is the original bit for bit, and with the policy that flew the original it is the original.
@@ -74,13 +80,14 @@ def fly_branch(original: Trajectory, branch: Branch, act: Act | None, record_eve
         branch: where it is left and which headings are flown by hand.
         act: the branch's policy bound to the original's task; None holds the last heading.
         record_every: keep every n-th substep; take the original's for records at the same times.
+        state: initial state `[1, 10 + ...]` the original was flown from, if it was not its episode's own.
 
     Raises:
         BranchError: the original is over at that moment.
     """
     check_moment(original, branch)
     decide = _Playback(original.action_rad, branch, act)
-    return fly(original.task, decide, caption(original, branch), original.seed, original.episode, record_every)
+    return fly(original.task, decide, caption(original, branch), original.seed, original.episode, record_every, state)
 
 
 def check_moment(original: Trajectory, branch: Branch) -> None:
@@ -95,6 +102,11 @@ def check_moment(original: Trajectory, branch: Branch) -> None:
 def moment_s(original: Trajectory, branch: Branch) -> float:
     """Time at which the branch leaves the original [s]."""
     return branch.step * original.task.scenario.rules.step_s
+
+
+def branch_letter(of: str) -> str:
+    """How a branch of flight `of` is called on pages: A′ or B′."""
+    return f"{of}′"
 
 
 def caption(original: Trajectory, branch: Branch) -> str:

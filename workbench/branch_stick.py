@@ -33,16 +33,18 @@ class Stick:
         original: the flight that is left.
         branch: where it is left, and headings already flown by hand, which are flown again; its policy is ignored.
 
+        state: initial state `[1, 10 + ...]` the original was flown from, if it was not its episode's own.
+
     Raises:
         BranchError: the original is over at that moment.
     """
 
-    def __init__(self, original: Trajectory, branch: Branch) -> None:
+    def __init__(self, original: Trajectory, branch: Branch, state: NDArray[np.float32] | None = None) -> None:
         check_moment(original, branch)
         self.branch = branch
         self._rules = original.task.scenario.rules
         self._world = World(original.task, lanes=1, seed=original.seed)
-        self._world.reset(episodes=[original.episode])
+        self._world.reset(episodes=[original.episode], states=state)
         self._world.trace()
         for turn in original.action_rad[: branch.step]:
             self._world.step([turn])

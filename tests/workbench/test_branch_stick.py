@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sim.geometry import azimuth
+from sim.start import initial_states
 from sim.trajectory import fly
 from sim.world import Outcome
 from tests.engagements import DRILL, circle, drag, task
@@ -90,3 +91,14 @@ def test_a_flight_that_is_over_stays_over() -> None:
 def test_a_flight_that_is_over_cannot_be_taken() -> None:
     with pytest.raises(BranchError, match="it is over"):
         Stick(ORIGINAL, Branch("A", len(ORIGINAL.action_rad), (), "drag"))
+
+
+def test_a_flight_from_a_place_of_its_own_is_left_where_it_is() -> None:
+    state = initial_states(DRILL, 77, np.array([4]))
+    original = fly(task(), drag, "drag", seed=5, state=state)
+    assert (original.evader.position_m[0] != ORIGINAL.evader.position_m[0]).any()
+    branch = Branch("A", 10, (90,) * 5, "drag")
+    flight, stick = fly_branch(original, branch, drag, state=state), Stick(original, branch, state)
+    row = 10 * DRILL.rules.substeps
+    np.testing.assert_array_equal(flight.evader.position_m[: row + 1], original.evader.position_m[: row + 1])
+    np.testing.assert_array_equal(stick.poses(12.0)["evader"].position_m, flight.evader.position_m[12 * 20])

@@ -1,0 +1,91 @@
+"""What is seen and pressed of "Take the stick": whose flight, who flies on, the dial, the card of the branch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import panel as pn
+import panel_material_ui as pmui
+
+from layouts.captions import clock_text
+from workbench.pages.fly_stick_card import BRANCH_CARD_CSS
+from workbench.pages.fly_stick_dial import HeadingDial
+
+ME = "me"
+"""Who flies on when a person does."""
+HOLD = ""
+"""Who flies on after a person when nobody does: the last heading is held."""
+BOX = {
+    "gap": "10px", "padding": "8px 12px", "border-radius": "8px",
+    "border": "1px solid color-mix(in srgb, var(--panel-on-background-color) 20%, transparent)",
+}  # fmt: skip
+TITLE = "<b style='font-size: 15px; white-space: nowrap'>Take the stick</b>"
+HELP = "From this moment of this flight, let somebody else fly on, and see the branch beside the original."
+
+
+class StickWidgets:
+    """The parts and their order; what they do is for `workbench.pages.fly_stick` to connect."""
+
+    def __init__(self, labels: Mapping[str, str]) -> None:
+        policies = {label: spec for spec, label in labels.items()}
+        self.of = pmui.RadioButtonGroup(options=["A", "B"], value="A", size="small", margin=0, label="Flight to leave")
+        self.who = _select("Who flies on", policies | {"Me, by arrow keys or mouse": ME}, "1 1 220px")
+        self.first = self.who.value
+        """Who flies on until somebody has chosen."""
+        self.take = _button("Fly on", "call_split", "contained", HELP)
+        self.moment = pn.pane.HTML("", margin=0, sizing_mode=None, styles={"font-size": "14px"})
+        self.problem = pmui.Alert(object="", severity="warning", visible=False, margin=0, sizing_mode="stretch_width")
+        self.dial = HeadingDial(margin=0, sizing_mode="stretch_width")
+        self.heir = _select("Then flies", {"Nobody: hold the heading": HOLD} | policies, "0 1 260px")
+        self.hand_over = _button("Hand over", "pan_tool", "contained", "End steering; the branch is flown to its end.")
+        self.cancel = _button("Cancel", "close", "text", "Forget what was flown by hand.")
+        self.card = pn.pane.HTML("", stylesheets=[BRANCH_CARD_CSS], margin=0, styles={"flex": "1 1 560px"})
+        self.steer_on = _button("Steer on", "sports_esports", "outlined", STEER_ON_HELP)
+        self.back = _button("Back to the original", "undo", "outlined", "Remove the branch.")
+        self.charts = pn.FlexBox(gap="12px", sizing_mode="stretch_width", margin=0)
+        self._choice, self._live, self._branch = self._rows()
+        self.layout = pn.Column(
+            self.problem, self._choice, self._live, self._branch, self.charts,
+            sizing_mode="stretch_width", margin=0, styles={"gap": "8px"}, css_classes=["take-the-stick"],
+        )  # fmt: skip
+        self.show(live=False, branch=False)
+
+    def show(self, *, live: bool, branch: bool) -> None:
+        """Show what belongs to choosing, to flying by hand, or to a branch that has been flown."""
+        self._choice.visible = not live
+        self._live.visible = live
+        self._branch.visible = self.charts.visible = branch and not live
+
+    def tell(self, time_s: float, over: bool) -> None:
+        """Say from which moment on somebody else would fly."""
+        words = f"from <b>{clock_text(time_s)}</b> on" if not over else "is over: move the clock back"
+        self.moment.object = f"<span style='white-space: nowrap'>{words}</span>"
+        self.take.disabled = over
+
+    def _rows(self) -> tuple[pn.viewable.Viewable, ...]:
+        look = {
+            "flex_wrap": "wrap",
+            "gap": "12px",
+            "align_items": "center",
+            "sizing_mode": "stretch_width",
+            "margin": 0,
+        }
+        title, flight = (pn.pane.HTML(words, margin=0, sizing_mode=None) for words in (TITLE, "flight"))
+        choice = pn.FlexBox(title, flight, self.of, self.moment, self.who, self.take, styles=BOX, **look)
+        ends = pn.FlexBox(self.heir, self.hand_over, self.cancel, **look)
+        live = pn.Column(self.dial, ends, sizing_mode="stretch_width", margin=0, styles=BOX)
+        buttons = pn.Row(self.steer_on, self.back, margin=0, sizing_mode=None, styles={"gap": "8px"})
+        return choice, live, pn.FlexBox(self.card, buttons, **look)
+
+
+STEER_ON_HELP = "Take the stick again where the clock is, or where you handed over if it is later."
+
+
+def _select(label: str, options: dict[str, str], flex: str) -> pmui.Select:
+    return pmui.Select(
+        label=label, options=options, value=next(iter(options.values())), size="small", margin=0, styles={"flex": flex}
+    )
+
+
+def _button(label: str, icon: str, variant: str, words: str) -> pmui.Button:
+    return pmui.Button(label=label, icon=icon, variant=variant, description=words, margin=0, sizing_mode=None)
