@@ -25,6 +25,8 @@ from workbench.pages.fly_figures import Pair
 from workbench.pages.fly_flights import BlindPolicyError, Flights, fly_both
 from workbench.pages.fly_layout import arrange
 from workbench.pages.fly_settings import FlySettings, default_settings, keep_start, read_settings
+from workbench.pages.fly_stick import FlyStick
+from workbench.pages.fly_stick_view import StickParts
 from workbench.pages.fly_tabs import FlightTabs
 from workbench.policies import policy_choices
 from workbench.scenarios import scenario_choices
@@ -86,6 +88,7 @@ class FlyPage:
         self._clock.param.watch(self._settle, "settled")
         self._events = EventList(sizing_mode="stretch_width", margin=0)
         self._tabs = FlightTabs(self._context.recordings, load_scenario(self._settings.scenario), self._rerun_state)
+        self._stick = FlyStick(StickParts(self._view, self._clock, self._events), self._context.store, self._labels)
 
     def _arrange(self) -> pn.viewable.Viewable:
         return arrange(
@@ -95,6 +98,7 @@ class FlyPage:
             replay=self._view.frame,
             clock=self._clock,
             events=self._events,
+            stick=self._stick.layout,
             tabs=self._tabs.layout,
         )
 
@@ -135,6 +139,7 @@ class FlyPage:
         self._clock.param.update(duration=pair.duration_s, marks=rows)
         if start != self._clock.time:
             self._clock.move(start)
+        self._stick.show(settings, flown, rows)
         self._view.show(start)
         self._tabs.show(pair)
         self._write_address()
@@ -156,6 +161,7 @@ class FlyPage:
 
     def _tick(self, event: Any) -> None:
         self._view.show(event.new)
+        self._stick.tick(event.new)
         self._clock.shown = event.new
 
     def _settle(self, event: Any) -> None:

@@ -21,6 +21,7 @@ def arrange(
     replay: pn.viewable.Viewable,
     clock: pn.viewable.Viewable,
     events: pn.viewable.Viewable,
+    stick: pn.viewable.Viewable,
     tabs: pn.viewable.Viewable,
 ) -> pn.viewable.Viewable:
     """The page: controls, then replay and events (beside it, or below on narrow screens), then the curves."""
@@ -31,6 +32,7 @@ def arrange(
         pn.FlexBox(*controls, gap="14px", align_items="end", sizing_mode="stretch_width", margin=0),
         *notices,
         pn.Row(stage, events, sizing_mode="stretch_width", margin=0, stylesheets=[STAGE_CSS]),
+        stick,
         tabs,
         sizing_mode="stretch_width",
         margin=(10, 18),
