@@ -15,7 +15,7 @@ from typing import Any
 from bokeh.models import ColumnDataSource, HoverTool, TapTool
 from bokeh.plotting import figure
 
-from layouts.lattice_places import CHIP_PITCH, Mask, Plan, chain_of, masks_by_level, nested_chain, plan
+from layouts.lattice_places import CHIP_PITCH, WIDE, Mask, Plan, chain_of, masks_by_level, nested_chain, plan
 from layouts.theme import NEUTRAL, POLICY_A, SUCCESS, missile_colour
 
 __all__ = ["Lattice", "Mask", "chain_of", "lattice_figure", "mask_text", "masks_by_level", "nested_chain"]
@@ -139,11 +139,11 @@ def _links(layout: Plan, chain: Sequence[Mask], selected: Mask | None) -> Column
     else:
         own = [] if selected is None else [*_steps_to(selected, layout), *_steps_from(selected)]
         near = [*bold, *(link for link in own if link not in bold)]
-    inks = NEUTRAL if layout.roomy else SUCCESS
+    inks, edge = (NEUTRAL, WIDE[0] / 2) if layout.roomy else (SUCCESS, 0.0)
     return {
-        "x0": [layout.places[easier][0] for easier, _ in near],
+        "x0": [layout.places[easier][0] + edge for easier, _ in near],
         "y0": [layout.places[easier][1] for easier, _ in near],
-        "x1": [layout.places[harder][0] for _, harder in near],
+        "x1": [layout.places[harder][0] - edge for _, harder in near],
         "y1": [layout.places[harder][1] for _, harder in near],
         "ink": [POLICY_A if link in bold else inks for link in near],
         "width": [4.0 if link in bold else (1.0 if layout.roomy else 1.6) for link in near],
@@ -177,7 +177,8 @@ def _task_text(numbers: Sequence[int], missiles: int) -> str:
 
 def _draw_nodes(fig: figure, source: ColumnDataSource, layout: Plan) -> None:
     nodes = fig.rect(
-        "x", "y", source=source, width="width", height="height", width_units="screen", height_units="screen",
+        "x", "y", source=source, width="width", height="height", height_units="screen",
+        width_units="data" if layout.roomy else "screen",
         border_radius=15 if layout.roomy else (7 if layout.named else 4), fill_color="fill", fill_alpha="fill_alpha",
         line_color="ring", line_width="ring_width", nonselection_alpha=1.0, hover_line_color=SUCCESS,
         hover_fill_alpha=1.0,
@@ -203,7 +204,7 @@ def _draw_missiles(fig: figure, layout: Plan) -> None:
         fig.text(
             [x for x, _ in flown], [y for _, y in flown], text=[str(missile)] * len(flown), text_color="#ffffff",
             text_font_size="11px", text_font_style="bold", background_fill_color=missile_colour(missile),
-            padding=[2, 5], border_radius=8, **common,
+            padding=[5, 3], border_radius=8, **common,
         )  # fmt: skip
         masked = [place for mask, place in layout.places.items() if missile in mask]
         fig.text(

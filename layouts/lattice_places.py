@@ -15,8 +15,10 @@ ROOMY_UP_TO = 4
 """Missiles up to which every task is a wide node with all its links: 16 tasks."""
 NAMED_UP_TO = 6
 """Missiles up to which every task has its name written on it: 64 tasks."""
-WIDE_HEIGHT, CHIP_PITCH = 30.0, 19.0
-"""Height of a wide node, and distance of the missiles drawn on it [px]."""
+WIDE: Size = (0.78, 30.0)
+"""Width [levels] and height [px] of wide nodes; links end where they do."""
+CHIP_PITCH = 19.0
+"""Distance of the missiles drawn on a wide node [px]."""
 CHAIN: Size = (46.0, 26.0)
 """Width and height of nodes [px]."""
 CHAIN_Y, BLOCK_Y = 0.5, -0.1
@@ -36,7 +38,10 @@ class Style:
 
 @dataclass(frozen=True)
 class Plan:
-    """Places of all tasks (x: missiles left, y: -0.62 to 0.62) and sizes [px] by mask."""
+    """Places of all tasks (x: missiles left, y: -0.62 to 0.62) and their sizes by mask.
+
+    Sizes are pixels; the width of wide nodes, where there is room for them, is one of x.
+    """
 
     roomy: bool
     named: bool
@@ -68,7 +73,7 @@ def plan(missiles: int) -> Plan:
     levels, chain = masks_by_level(missiles), nested_chain(missiles)
     if missiles <= ROOMY_UP_TO:
         places = {mask: place for level, masks in enumerate(levels) for mask, place in _column(level, masks)}
-        return Plan(True, True, places, dict.fromkeys(places, (CHIP_PITCH * missiles + 12.0, WIDE_HEIGHT)))
+        return Plan(True, True, places, dict.fromkeys(places, WIDE))
     places, sizes, style = {}, {}, _style(missiles)
     for level, masks in enumerate(levels):
         others = [mask for mask in masks if mask not in chain]

@@ -139,7 +139,8 @@ def natural_guide(config: TrainingConfig) -> str:
         card = shipped_cards().get(f"submas-{easier.name}")
         if card is not None and card.scenario_digest == target.scenario.digest:
             return f"submas-{easier.name}"
-    return ""
+    # Who learns from scratch is never told anything, so any rule will do.
+    return "" if VARIANTS[config.variant].guided else "expert-navigation"
 
 
 def guide_for(config: TrainingConfig, store: RunStore | None = None) -> Policy:

@@ -7,7 +7,8 @@ from math import comb
 
 import pytest
 
-from layouts.lattice import Lattice, lattice_figure, mask_text, masks_by_level, nested_chain
+from layouts.lattice import Lattice, chain_of, lattice_figure, mask_text, masks_by_level, nested_chain
+from layouts.theme import POLICY_A
 
 
 @pytest.mark.parametrize("missiles", range(1, 9))
@@ -22,12 +23,13 @@ def test_every_task_stands_once_above_its_number_of_missiles(missiles: int) -> N
     assert len({*zip(nodes["x"], nodes["y"], strict=True)}) == 2**missiles
 
 
-@pytest.mark.parametrize("missiles", range(4, 9))
+@pytest.mark.parametrize("missiles", range(3, 9))
 def test_nodes_do_not_touch_in_the_narrowest_panel(missiles: int) -> None:
     nodes = lattice_figure(missiles, height=430).nodes.data
-    across, up = 580 / (missiles + 1.2), 372 / 1.24
+    across, up = 580 / (missiles + 1.2), (372 if missiles > 4 else 245) / 1.24
     columns = (nodes[name] for name in ("x", "y", "width", "height"))
-    boxes = [(x * across, y * up, width, height) for x, y, width, height in zip(*columns, strict=True)]
+    scale = across if missiles <= 4 else 1.0  # wide nodes are as wide as the figure lets them be
+    boxes = [(x * across, y * up, width * scale, height) for x, y, width, height in zip(*columns, strict=True)]
     for (x, y, width, height), (u, v, wide, high) in combinations(boxes, 2):
         assert abs(x - u) > (width + wide) / 2 or abs(y - v) > (height + high) / 2
     assert max(abs(y) + height / 2 for _x, y, _width, height in boxes) < 0.62 * up
@@ -77,3 +79,23 @@ def test_the_selected_task_has_a_ring_and_a_name(missiles: int) -> None:
 def test_a_known_success_rate_is_written_under_its_task() -> None:
     nodes = lattice_figure(4, success={frozenset({4}): 0.915}).nodes.data
     assert nodes["caption"][list(nodes["mask"]).index("4")] == "91.5%"
+
+
+@pytest.mark.parametrize("missiles", [4, 6])
+def test_any_chain_can_be_drawn(missiles: int) -> None:
+    # Missiles met in the order 3, 1: two stages up to the task with both.
+    every = frozenset(range(1, missiles + 1))
+    chain = chain_of(missiles, [3, 1])
+    assert chain == [every, every - {3}, every - {1, 3}]
+    lattice = lattice_figure(missiles)
+    lattice.select(every - {1, 3}, chain)
+    nodes, links = lattice.nodes.data, lattice.links.data
+    blue = {mask for mask, fill in zip(nodes["mask"], nodes["fill"], strict=True) if fill == POLICY_A}
+    assert blue == {mask_text(mask) for mask in chain}
+    assert links["ink"].count(POLICY_A) == 2
+
+
+def test_a_task_alone_is_a_chain_without_links() -> None:
+    lattice = lattice_figure(4, chain=[frozenset({2})])
+    assert POLICY_A not in lattice.links.data["ink"]
+    assert lattice.nodes.data["fill"].count(POLICY_A) == 1

@@ -20,8 +20,9 @@ p b { font-weight: 650 }
   background: color-mix(in srgb, var(--ink) 15%, transparent);
   font-weight: 600; white-space: nowrap; text-align: center;
   min-width: 30px }
-.chip small { display: block; font-weight: 400; font-size: 11px; opacity: .75 }
-.gone { background: none; border-style: dashed; opacity: .5; text-decoration: line-through; font-weight: 400 }
+.chip small { display: block; font-weight: 400; font-size: 11px; opacity: .8 }
+.gone { background: none; border-style: dashed; font-weight: 400; opacity: .72 }
+.gone b, .gone i, .gone sup, .gone sub { text-decoration: line-through }
 .op { align-self: center; opacity: .6; margin: 0 -3px }
 sub, sup { font-size: .72em; line-height: 0; margin-left: 1px }
 .name { font-size: 21px; font-weight: 700; line-height: 1.2 }
@@ -108,14 +109,22 @@ def _maps(task: Task) -> str:
     target = Task(task.scenario)
     dropped = [target.layout.names[column] for column in target.layout.masked_columns(task.layout)]
     if not dropped:
-        return "<p>Ξ keeps everything: this is the target task itself.</p>"
+        return (
+            "<p><b>Ξ</b> keeps every number and <b>Ψ</b> masks none: this is the target task itself. Mask a missile "
+            "to see what is left.</p>"
+        )
     names = ", ".join(_symbol(name) for name in dropped)
-    default = f"[{UNLAUNCHED[0]:g}, −π]".replace("-", "−")
+    default = f"[{_default(UNLAUNCHED[0])}, {_default(UNLAUNCHED[1])}]"
     return (
-        f"<p><b>Ξ</b> (Eq. 5–6) maps a state of the target to the {task.layout.size} numbers kept, <b>Ψ</b> to the "
-        f"masked {len(dropped)}: {names}. A policy of this task may guide the target only where Ψ shows the default "
-        f"{default} for each masked missile (Eq. 13).</p>"
+        f"<p><b>Ξ</b> (Eq. 5–6) keeps {task.layout.size} numbers of a state of the target, <b>Ψ</b> the masked "
+        f"{len(dropped)}: {names}. A policy of this task may guide the target only while Ψ shows the default "
+        f"{default} for each masked missile: not yet launched, or evaded (Eq. 13).</p>"
     )
+
+
+def _default(number: float) -> str:
+    """A number of the default vector as the paper writes it."""
+    return "−π" if number < -3.0 else f"{number:g}".replace("-", "−")
 
 
 def _column(name: str, kept: bool) -> str:
@@ -123,7 +132,8 @@ def _column(name: str, kept: bool) -> str:
         symbol, words = SYMBOLS[name]
         return _chip(symbol, words, NEUTRAL, kept)
     kind, missile = name.split("_")
-    words = "range" if kind == "r" else "azimuth"
+    default = dict(zip(["r", "phi"], UNLAUNCHED, strict=True))[kind]
+    words = ("range" if kind == "r" else "azimuth") if kept else f"= {_default(default)}"
     return _chip(_symbol(name), words, missile_colour(int(missile)), kept)
 
 

@@ -2,42 +2,33 @@
 
 from __future__ import annotations
 
+import asyncio
 import html
-from collections.abc import Callable, Mapping
-from typing import Any
+import time
+from collections.abc import Callable, Mapping, Sequence
 
 import panel as pn
 import panel_material_ui as pmui
 
 from agents.config import VARIANTS as CONFIGURED
 from agents.config import TrainingConfig
-from sim.errors import SubMasError, UsageError
+from sim.errors import SubMasError
 from sim.task import Task
-from workbench.estimate import Estimate, estimate
+from workbench import speed_probe
+from workbench.estimate import Estimate, estimate_set
 from workbench.launcher import drain
-from workbench.policies import guide_for, natural_guide, policy_choices
+from workbench.pages.curriculum_cost import cost_words, source_words, what_words
+from workbench.pages.curriculum_fields import NATURAL, PROFILES, VARIANTS, make_fields
+from workbench.pages.curriculum_set import CHAIN, STAGE, TrainingSet
+from workbench.policies import guide_for, natural_guide
 from workbench.runs import Run, RunStore
-from workbench.scenarios import DEFAULT, other_scenario
+from workbench.scenarios import DEFAULT
 from workbench.seeds import parse_seeds
 
-STAGE, CHAIN = "This task", "Whole chain"
-VARIANTS = {
-    "SubMas-RL": "submas",
-    "without policy distillation (W/o-PD)": "wo-pd",
-    "without policy reuse (W/o-PR)": "wo-pr",
-    "decayed distillation weight (Dec-PD)": "dec-pd",
-    "decayed reuse probability (Dec-PR)": "dec-pr",
-    "TD3 from scratch, no guide": "td3",
-    "SAC from scratch (this task)": "sac",
-    "PPO from scratch (this task)": "ppo",
-}
-"""Table 3's variants and the baselines, as a person reads them."""
-PROFILES = {
-    "fast: minutes a stage": "fast",
-    "paper: Table 2, hours": "paper",
-    "smoke: seconds, to try": "smoke",
-}
-NATURAL = "the next easier task's (default)"
+__all__ = ["CHAIN", "NATURAL", "PROFILES", "STAGE", "VARIANTS", "LaunchForm"]
+
+RUNS_FRESH_S = 5.0
+"""How long a look at the runs folder is good for while somebody types."""
 
 
 class LaunchForm:
@@ -46,125 +37,135 @@ class LaunchForm:
     def __init__(self, store: RunStore, query: Mapping[str, str], launched: Callable[[list[Run]], None]) -> None:
         self._store, self._launched = store, launched
         self._task: Task | None = None
-        self._scenario = DEFAULT
-        self._make_widgets(query)
+        self._scenario, self._met = DEFAULT, ()
+        self._runs: tuple[float, list[Run]] = (-RUNS_FRESH_S, [])
+        self.first_guide = ""
+        """POLICY that guides the first stage, as far as it is known; empty when nothing can."""
+        self.widgets = make_fields(query, store)
         self._summary = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, styles={"font-size": "14px"})
         self._button = pmui.Button(
-            label="Launch", icon="rocket_launch", color="primary", size="large", sizing_mode="stretch_width", margin=0
-        )
+            label="Launch", icon="rocket_launch", color="primary", size="large", margin=0, width=240,
+            sizing_mode="fixed",
+        )  # fmt: skip
+        self._measure = pmui.Button(
+            label="Measure here", icon="speed", variant="outlined", size="small", margin=0, sizing_mode=None,
+            description="Time a part of an epoch in a process of its own: about 15 seconds", visible=False,
+        )  # fmt: skip
         self._button.on_click(self._launch)
+        self._measure.on_click(self._probe)
         for widget in self.widgets.values():
             widget.param.watch(self._change, "value")
-        top = pmui.Row(self.widgets["variant"], self.widgets["profile"], margin=0, sx={"gap": "12px"})
-        bottom = pmui.Row(self.widgets["seeds"], self.widgets["guide"], margin=0, sx={"gap": "12px"})
-        self.layout = pmui.Column(
-            self.widgets["what"], top, bottom, self.widgets["name"], self._summary, self._button,
-            margin=0, sizing_mode="stretch_width", sx={"gap": "14px"},
+        self.layout = self._arrange()
+
+    def _arrange(self) -> pmui.Column:
+        fields = ("what", "profile", "seeds", "guide", "name")
+        row = pn.FlexBox(
+            *(self.widgets[name] for name in fields), gap="14px", align_items="center", margin=0,
+            sizing_mode="stretch_width",
         )  # fmt: skip
+        say = pmui.Column(self._summary, self._measure, margin=0, sizing_mode="stretch_width", sx={"gap": "6px"})
+        last = pmui.Row(
+            say, self._button, margin=0, sizing_mode="stretch_width", sx={"gap": "18px", "alignItems": "center"}
+        )
+        return pmui.Column(
+            row, self.widgets["variant"], last, margin=0, sizing_mode="stretch_width", sx={"gap": "14px"}
+        )
 
-    def _make_widgets(self, query: Mapping[str, str]) -> None:
-        guides = {NATURAL: "", **policy_choices(self._store)}
-        common: dict[str, Any] = {"size": "small", "margin": 0, "sizing_mode": "stretch_width"}
+    def show(self, task: Task, scenario: str = DEFAULT, met: Sequence[int] = ()) -> None:
+        """Describe what a launch would train now.
 
-        def choose(name: str, label: str, options: Mapping[str, str]) -> pmui.Select:
-            wanted = query.get(name, "")
-            value = wanted if wanted in options.values() else next(iter(options.values()))
-            return pmui.Select(label=label, options=dict(options), value=value, **common)
-
-        what = CHAIN if query.get("what", "chain") == "chain" else STAGE
-        self.widgets: dict[str, Any] = {
-            "what": pmui.RadioButtonGroup(options=[CHAIN, STAGE], value=what, color="primary", **common),
-            "variant": choose("variant", "Variant (Table 3)", VARIANTS),
-            "profile": choose("profile", "Profile", PROFILES),
-            "guide": choose("guide", "Guide of the first stage", guides),
-            "seeds": pmui.TextInput(label="Seeds: 0 or 0,1,2 or 0-4", value=query.get("seeds", "0")[:200], **common),
-            "name": pmui.TextInput(label="Name (optional)", value="", max_length=200, **common),
-        }
-
-    def show(self, task: Task, scenario: str = DEFAULT) -> None:
-        """Describe what a launch would train now that this task, of the scenario of that name or path, is chosen."""
-        self._task, self._scenario = task, scenario
+        Args:
+            task: the task that is chosen.
+            scenario: its scenario, by name or path.
+            met: its missiles in the order a chain meets them; ascending when left out.
+        """
+        self._task, self._scenario, self._met = task, scenario, tuple(met or task.missiles)
         self._change()
 
     def to_query(self) -> dict[str, str]:
         """The form as values of the address."""
-        chosen = {name: self.widgets[name].value for name in ("variant", "profile", "guide", "seeds")}
-        return {"what": "chain" if self.widgets["what"].value == CHAIN else "stage", **chosen}
+        chosen = {name: self.widgets[name].value for name in ("profile", "guide", "seeds")}
+        what = "chain" if self.chain else "stage"
+        return {"what": what, "variant": ",".join(self.widgets["variant"].value), **chosen}
+
+    @property
+    def chain(self) -> bool:
+        """Whether the whole chain up to the task is trained."""
+        return self.widgets["what"].value == CHAIN
 
     def configurations(self) -> list[TrainingConfig]:
-        """One configuration per seed.
+        """One configuration per variant and seed.
 
         Raises:
             UsageError: a value that is not legal, or a task that cannot be trained; says what would be.
         """
         assert self._task is not None
-        chain = self.widgets["what"].value == CHAIN
-        missiles = self._task.scenario.launch.missiles if chain else _stage_missiles(self._task)
-        values = {name: self.widgets[name].value for name in ("variant", "profile", "guide", "name")}
-        fixed = {"scenario": self._scenario, "curriculum": chain, "missiles": missiles, **values}
-        return [TrainingConfig.from_json({**fixed, "seed": seed}) for seed in parse_seeds(self.widgets["seeds"].value)]
+        values = {name: self.widgets[name].value for name in ("profile", "guide", "name")}
+        seeds, variants = tuple(parse_seeds(self.widgets["seeds"].value)), tuple(self.widgets["variant"].value)
+        chosen = TrainingSet(self._task, self._scenario, self.chain, self._met, variants, seeds, **values)
+        return chosen.configurations()
 
     def _change(self, _event: object = None) -> None:
         if self._task is None:
             return
+        self._button.label, self._measure.visible = "Launch", False
+        self.first_guide = ""
         try:
             configs = self.configurations()
-            guide_for(configs[0], self._store)
+            guides = {config.guide or natural_guide(config): config for config in configs}
+            for config in guides.values():
+                guide_for(config, self._store)
         except SubMasError as error:
             self._summary.object = f"<b>Not yet:</b> {html.escape(str(error))}."
             self._button.disabled = True
             return
-        self._summary.object = summary(configs, estimate(configs[0], len(configs), self._store.list()))
+        guided = [spec for spec, config in guides.items() if CONFIGURED[config.variant].guided]
+        self.first_guide = guided[0] if guided else ""
+        self._describe(configs)
+        self._button.label = f"Launch {len(configs)} runs" if len(configs) > 1 else "Launch and watch"
         self._button.disabled = False
 
-    def _launch(self, _event: object) -> None:
+    def _describe(self, configs: list[TrainingConfig]) -> None:
+        cost = estimate_set(configs, self._recent_runs(), speed_probe.remembered())
+        self._summary.object = summary(configs, cost, self.first_guide)
+        self._measure.visible = any(
+            kind[1] == "td3" and speed.source != "runs" for kind, speed in (cost.speeds or {}).items()
+        )
+
+    def _recent_runs(self) -> list[Run]:
+        if time.monotonic() - self._runs[0] > RUNS_FRESH_S:
+            self._runs = (time.monotonic(), self._store.list())
+        return self._runs[1]
+
+    async def _probe(self, _event: object) -> None:
+        profile = self.widgets["profile"].value
+        self._measure.disabled, self._measure.label = True, "Measuring: about 15 seconds …"
+        try:
+            await speed_probe.probe(profile)
+        finally:
+            self._measure.disabled, self._measure.label = False, "Measure here"
+        self._change()
+
+    async def _launch(self, _event: object) -> None:
         if self._button.disabled:
             return
         # A second click that was on its way finds the button disabled.
         self._button.disabled = True
         try:
-            runs = [self._store.create(config) for config in self.configurations()]
-            drain(self._store)
+            runs = await asyncio.to_thread(self._start, self.configurations())
         except SubMasError:
             self._button.disabled = False
             raise
+        self._runs = (-RUNS_FRESH_S, [])
         self._launched(runs)
 
+    def _start(self, configs: list[TrainingConfig]) -> list[Run]:
+        runs = [self._store.create(config) for config in configs]
+        drain(self._store)
+        return runs
 
-def summary(configs: list[TrainingConfig], cost: Estimate) -> str:
+
+def summary(configs: list[TrainingConfig], cost: Estimate, first_guide: str) -> str:
     """What will be trained and what it costs, as HTML."""
-    first = configs[0]
-    runs = f"{len(configs)} runs ({cost.at_once} at once)" if len(configs) > 1 else "1 run"
-    where = f" on <b>{html.escape(elsewhere)}</b>" if (elsewhere := other_scenario(first.scenario)) else ""
-    stages = f"{cost.stages} stage{'s' * (cost.stages > 1)}"
-    guide = html.escape(first.guide or natural_guide(first))
-    guided = f"guided by <b>{guide}</b>" if CONFIGURED[first.variant].guided else "without a guide"
-    early = ", less when a stage is learned early" if first.profile == "fast" else ""
-    many = f"{cost.measured_runs} earlier run{'s' * (cost.measured_runs > 1)}"
-    source = f"measured in {many}" if cost.measured_runs else "typical for one core"
-    return (
-        f"{runs}{where} of {stages} with up to {first.hyperparameters.epochs} epochs, {guided}. "
-        f"At most <b>{_long(cost.at_most_s)}</b>{early} ({source})."
-    )
-
-
-def _long(seconds: float) -> str:
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
-
-
-def _stage_missiles(task: Task) -> int:
-    """Number N of the task with missiles 1..N.
-
-    Raises:
-        UsageError: the task is not on the chain, or has nothing to learn.
-    """
-    if not task.missiles:
-        raise UsageError("with every missile masked the navigation expert already solves the task; unmask missile 1")
-    if task.missiles != tuple(range(1, len(task.missiles) + 1)):
-        wanted = ", ".join(map(str, range(1, len(task.missiles) + 1)))
-        raise UsageError(
-            f"a stage is one of the chain's tasks (Table 1), and this one is not; leave missiles {wanted} instead"
-        )
-    return len(task.missiles)
+    small = f'<span style="opacity:.75;font-size:12.5px">{source_words(cost)}</span>'
+    return f"{what_words(configs, first_guide)}<br>{cost_words(cost, len(configs))} {small}"
