@@ -85,7 +85,7 @@ def test_a_launch_names_the_scenario(app: AppContext) -> None:
     form = LaunchForm(app.store, {}, lambda runs: None)
     form.show(task_for(SIX), SIX)
     assert form.configurations() == [TrainingConfig(scenario=SIX, curriculum=True)]
-    assert "on <b>six-missiles</b> of 6 stages" in form._summary.object
+    assert "on <b>six-missiles</b>; 6 stages" in form._summary.object
     form.widgets["what"].value = STAGE
     form.show(task_for(SIX, "3,4,5,6"), SIX)
     assert form._button.disabled

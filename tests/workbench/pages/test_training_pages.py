@@ -1,4 +1,4 @@
-"""Curriculum, Live and Runs without a browser: what they show and launch, and that runs hold no markup."""
+"""Live and Runs without a browser: what they show, and that runs hold no markup."""
 
 from __future__ import annotations
 
@@ -11,17 +11,9 @@ import panel as pn
 import pytest
 
 from agents.config import TrainingConfig
-from sim.errors import UsageError
-from sim.scenario_file import load_scenario
-from sim.task import Task, task_for
 from workbench import launcher
 from workbench.context import AppContext
-from workbench.estimate import TYPICAL_EPOCH_S, estimate
-from workbench.pages import curriculum_launch
 from workbench.pages.address import search
-from workbench.pages.curriculum import CurriculumPage
-from workbench.pages.curriculum_cards import observation_card, reward_card, task_card
-from workbench.pages.curriculum_launch import CHAIN, STAGE, LaunchForm
 from workbench.pages.live import LivePage, stage_tasks
 from workbench.pages.live_cards import event_list, head, number_cards, stage_cards
 from workbench.pages.live_watch import RunWatch
@@ -47,132 +39,7 @@ def app(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AppContext:
     """Pages of an empty runs folder; nothing that is launched starts a process."""
     pn.extension("tabulator", notifications=True)
     monkeypatch.setattr(launcher, "cpu_count", lambda: 2)
-    monkeypatch.setattr(curriculum_launch, "drain", lambda store: [])
     return AppContext.of(tmp_path / "runs")
-
-
-@pytest.fixture
-def form(app: AppContext) -> tuple[LaunchForm, list[Run]]:
-    launched: list[Run] = []
-    return LaunchForm(app.store, {}, launched.extend), launched
-
-
-# Curriculum
-
-
-@pytest.mark.parametrize(
-    ("mask", "title", "sizes"),
-    [("", "Target task", "15 of 15"), ("4", "Source task 1", "13 of 15"), ("2,3,4", "Source task 3", "9 of 15"),
-     ("1,2,3,4", "Source task 4", "7 of 15"), ("1", "Missiles 2, 3, 4", "13 of 15"), ("1,2,3", "Missile 4", "9 of 15")],
-)  # fmt: skip
-def test_the_cards_follow_the_mask(mask: str, title: str, sizes: str) -> None:
-    task = task_for(mask=mask)
-    assert title in task_card(task)
-    assert sizes in observation_card(task)
-    masked = len(task.masked)
-    assert observation_card(task).count("chip gone") == 2 * masked
-    assert reward_card(task).count("chip gone") == masked
-
-
-def test_the_reward_card_shows_the_scenarios_numbers() -> None:
-    shown = reward_card(Task(load_scenario()))
-    for number in ("+400 exit", "−400 outside", "+50 or −400", "−0.1 a step"):
-        assert number in shown
-
-
-def test_clicking_a_missile_changes_everything_at_once(app: AppContext) -> None:
-    page = CurriculumPage(app)
-    page._pictures.masked = [4]
-    assert "Source task 1" in page._cards["task"].object
-    assert "13 of 15" in page._cards["observation"].object
-    nodes = page._lattice.nodes.data
-    assert [mask for mask, width in zip(nodes["mask"], nodes["ring_width"], strict=True) if width > 2] == ["4"]
-
-
-def test_tapping_a_task_of_the_lattice_masks_the_missiles(app: AppContext) -> None:
-    page = CurriculumPage(app)
-    nodes = page._lattice.nodes
-    nodes.selected.indices = [list(nodes.data["mask"]).index("1,3")]
-    assert page._pictures.masked == [1, 3]
-    assert nodes.selected.indices == []
-
-
-def test_the_whole_chain_is_one_run_per_seed(form: tuple[LaunchForm, list[Run]], app: AppContext) -> None:
-    launch, launched = form
-    launch.show(task_for())
-    launch.widgets["seeds"].value = "0-2"
-    assert launch.widgets["what"].value == CHAIN
-    launch._launch(None)
-    assert [run.config.seed for run in launched] == [0, 1, 2]
-    assert {(run.config.curriculum, run.config.missiles) for run in launched} == {(True, 4)}
-    assert len(app.store.list()) == 3
-
-
-def test_a_second_click_launches_nothing(form: tuple[LaunchForm, list[Run]]) -> None:
-    launch, launched = form
-    launch.show(task_for())
-    launch._launch(None)
-    launch._launch(None)
-    assert len(launched) == 1
-
-
-def test_a_stage_is_the_task_that_is_shown(form: tuple[LaunchForm, list[Run]]) -> None:
-    launch, _ = form
-    launch.widgets["what"].value = STAGE
-    launch.show(task_for(mask="2,3,4"))
-    assert launch.configurations()[0] == TrainingConfig(missiles=1)
-
-
-@pytest.mark.parametrize(
-    ("mask", "sentence"),
-    [("1,2,3,4", "unmask missile 1"), ("1", "leave missiles 1, 2, 3"), ("2", "leave missiles 1, 2, 3")],
-)
-def test_a_task_off_the_chain_says_what_to_do(mask: str, sentence: str, form: tuple[LaunchForm, list[Run]]) -> None:
-    launch, launched = form
-    launch.widgets["what"].value = STAGE
-    launch.show(task_for(mask=mask))
-    with pytest.raises(UsageError, match=sentence):
-        launch.configurations()
-    assert launch._button.disabled
-    launch._launch(None)
-    assert launched == []
-
-
-@pytest.mark.parametrize(("name", "value"), [("seeds", "x"), ("seeds", HOSTILE), ("name", "a\nb")])
-def test_a_wrong_value_is_a_sentence_and_no_launch(name: str, value: str, form: tuple[LaunchForm, list[Run]]) -> None:
-    launch, _ = form
-    launch.show(task_for())
-    launch.widgets[name].value = value
-    assert launch._button.disabled
-    assert "Not yet" in launch._summary.object
-    assert "<img" not in launch._summary.object
-
-
-def test_values_of_the_address_are_taken_only_when_they_are_legal(app: AppContext) -> None:
-    query = {"variant": "wo-pd", "profile": "rm -rf /", "guide": "../../etc/passwd", "what": "stage"}
-    form = LaunchForm(app.store, query, lambda runs: None)
-    chosen = {name: form.widgets[name].value for name in ("variant", "profile", "guide", "what")}
-    assert chosen == {"variant": "wo-pd", "profile": "fast", "guide": "", "what": STAGE}
-
-
-def test_the_form_offers_what_the_configuration_takes() -> None:
-    from agents.config import PROFILES, VARIANTS
-
-    assert set(curriculum_launch.VARIANTS.values()) == set(VARIANTS)
-    assert set(curriculum_launch.PROFILES.values()) == set(PROFILES) == set(TYPICAL_EPOCH_S)
-
-
-def test_the_estimate_takes_the_speed_of_earlier_runs(app: AppContext) -> None:
-    config = TrainingConfig(profile="smoke", curriculum=True)
-    epochs = config.hyperparameters.epochs
-    typical = estimate(config, 1, app.store.list())
-    assert typical.at_most_s == 4 * epochs * TYPICAL_EPOCH_S["smoke"]
-    run = app.store.create(config)
-    append_line(run.path / "metrics.jsonl", {"epoch": 2, "wall_s": 10.0})
-    measured = estimate(config, 3, app.store.list())
-    # Three seeds on two cores are two rounds of four stages at five seconds an epoch.
-    assert measured.at_most_s == 2 * 4 * epochs * 5.0
-    assert measured.measured_runs == 1
 
 
 def test_addresses_are_quoted() -> None:
