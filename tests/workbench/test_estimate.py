@@ -19,7 +19,7 @@ from workbench.runs import RunStore
 
 @pytest.fixture
 def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RunStore:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(speed_probe, "cache_folder", lambda: tmp_path / "cache")
     monkeypatch.setattr(estimating, "cpu_count", lambda: 2)
     return RunStore(tmp_path / "runs")
 
@@ -97,7 +97,7 @@ def test_a_probe_measures_in_a_process_of_its_own_and_is_remembered(store: RunSt
 
 
 def test_a_probe_that_fails_says_why(store: RunStore) -> None:
-    with pytest.raises(speed_probe.ProbeError, match="usage: python -m workbench.speed_probe"):
+    with pytest.raises(speed_probe.ProbeError, match="usage: python -m"):
         asyncio.run(speed_probe.probe("quick"))
 
 
