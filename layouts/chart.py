@@ -8,7 +8,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomAction, CustomJS, HoverTool, Legend, Range1d, Span, Title
+from bokeh.models import (
+    ColumnDataSource,
+    CustomAction,
+    CustomJS,
+    GlyphRenderer,
+    HoverTool,
+    Legend,
+    Range1d,
+    Span,
+    Title,
+)
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
@@ -23,10 +33,13 @@ Marks = dict[str, list[Any]]
 
 MAX_POINTS = 2500
 CURSOR_TAG = "clock-cursor"
-"""Tag of every cursor; the page's clock finds and moves them in the browser."""
+"""Tag of every figure on which the page draws its clock: over it, in the browser, without a redraw."""
+
+OVER_TIME_TAG = "over-time"
+"""Tag of those whose horizontal axis is the time: there the clock is a line, elsewhere only dots on the tracks."""
 
 CLOCK_EVENT = "flight-clock"
-"""Browser event a click on a curve sends; its detail is the time [s]."""
+"""Browser event that a click or a drag on a curve sends; its detail is the time [s]."""
 
 _CSV_SHAPE = (
     b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 24 24'><path fill='none' stroke='#7d8794' "
@@ -48,6 +61,8 @@ link.download = name + ".csv"; link.click(); setTimeout(() => URL.revokeObjectUR
 """
 
 _CLOCK_CODE = "window.dispatchEvent(new CustomEvent(event, {detail: cb_obj.x}))"
+_DRAG_CODE = f"if (!fig.toolbar.gestures.pan?.active && !fig.toolbar.gestures.multi?.active) {{ {_CLOCK_CODE} }}"
+"""A drag belongs to the tool that was chosen, if one was."""
 
 
 def thin_index(length: int, keep: Sequence[int] = (), limit: int = MAX_POINTS) -> NDArray[np.intp]:
@@ -95,11 +110,9 @@ def chart(y_label: str, height: int = 240, x_range: Range1d | None = None, y_ran
         x_range=x_range or Range1d(0.0, 1.0), y_range=y_range or Range1d(0.0, 1.0),
     )  # fmt: skip
     plain(fig)
-    cursor = Span(
-        location=0.0, dimension="height", line_color=NEUTRAL, line_width=1.5, level="overlay", tags=[CURSOR_TAG]
-    )
-    fig.add_layout(cursor)
+    fig.tags = [CURSOR_TAG, OVER_TIME_TAG]
     fig.js_on_event("tap", CustomJS(args={"event": CLOCK_EVENT}, code=_CLOCK_CODE))
+    fig.js_on_event("pan", CustomJS(args={"event": CLOCK_EVENT, "fig": fig}, code=_DRAG_CODE))
     return fig
 
 
@@ -122,7 +135,9 @@ def add_csv(fig: figure, name: str, *sources: ColumnDataSource) -> None:
     fig.add_tools(CustomAction(icon=_CSV_ICON, description="Download CSV", callback=code))
 
 
-def add_lines(fig: figure, source: ColumnDataSource, x: str, lines: Sequence[tuple[str, str, str]]) -> None:
+def add_lines(
+    fig: figure, source: ColumnDataSource, x: str, lines: Sequence[tuple[str, str, str]]
+) -> list[GlyphRenderer]:
     """Draw (column, label, colour) as lines with a hover and a legend above whose entries hide their line."""
     entries = []
     for column, label, colour in lines:
@@ -136,6 +151,7 @@ def add_lines(fig: figure, source: ColumnDataSource, x: str, lines: Sequence[tup
     drawn = [glyphs[0] for _label, glyphs in entries]
     fig.add_tools(HoverTool(renderers=drawn, tooltips=tips, visible=False))
     add_legend(fig, entries)
+    return drawn
 
 
 def missile_label(number: int, missiles: Sequence[int]) -> str:

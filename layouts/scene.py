@@ -14,14 +14,14 @@ from layouts.captions import distance_text
 from layouts.energy import energy_share
 from layouts.meshes import aircraft, missile
 from layouts.motion import KM, Motion, motion
-from layouts.scene_bodies import BEAM_KM, TAIL_POINTS, TAIL_S, Body, Layers, Mark, add_body, add_label_mark
+from layouts.scene_bodies import BEAM_KM, TAIL_POINTS, TAIL_S, Additions, Body, Mark, add_body, add_label_mark
 from layouts.theme import FAILURE, INTERCEPTOR, Ground, Mode, Rgb, ground, missile_colour, rgb, scene_ink
 from sim.trajectory import MissileTrack, Trajectory
 from sim.world import Fate, Outcome
 
-__all__ = ["AIRCRAFT_KM", "MISSILE_KM", "TAIL_POINTS", "TAIL_S", "Body", "FlightScene", "Layers", "Mark"]
+__all__ = ["AIRCRAFT_KM", "MISSILE_KM", "TAIL_POINTS", "TAIL_S", "Additions", "Body", "FlightScene", "Mark"]
 
-ALL_LAYERS = Layers()
+ALL = Additions()
 GAP_KM = 14.0
 LETTERS = "ABCDEFGH"
 """Flights by their letters, as everywhere on the page."""
@@ -46,17 +46,17 @@ class FlightScene:
     offsets_km: tuple[NDArray[np.float64], ...] = ()
     """Where the battlefield of each flight lies, `[3]`."""
 
-    def show(self, time_s: float, layers: Layers = ALL_LAYERS) -> None:
+    def show(self, time_s: float, additions: Additions = ALL) -> None:
         """Place everything as it is at this time [s]; cheap enough for fifty calls a second."""
         with self.server.atomic():
             for thing in (*self.bodies, *self.marks):
-                thing.place(time_s, layers)
+                thing.place(time_s, additions)
 
-    def paint(self, layers: Layers) -> None:
-        """After the layers have changed: bring along what `show` does not touch."""
+    def paint(self, additions: Additions) -> None:
+        """After the additions have changed: bring along what `show` does not touch."""
         with self.server.atomic():
             for body in self.bodies:
-                body.paint(layers)
+                body.paint(additions)
 
 
 def build_scene(

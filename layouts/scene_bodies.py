@@ -26,7 +26,7 @@ NOWHERE = np.zeros(3)
 
 
 @dataclass(frozen=True)
-class Layers:
+class Additions:
     """Which additions to the bodies are drawn."""
 
     labels: bool = True
@@ -73,44 +73,44 @@ class Body:
     """Whose line of sight to this body is drawn."""
     energy: EnergyInk | None = None
 
-    def place(self, time_s: float, layers: Layers) -> None:
+    def place(self, time_s: float, additions: Additions) -> None:
         """Show the body as it is at this time [s]."""
         flying = float(self.motion.time_s[0]) <= time_s <= self.gone_after_s
         set_visible(self.mesh, flying)
         set_visible(self.drop, flying)
-        set_visible(self.tail, flying and layers.trails)
-        for handle, wanted in ((self.beams, layers.beams), (self.sight, layers.sight)):
+        set_visible(self.tail, flying and additions.trails)
+        for handle, wanted in ((self.beams, additions.beams), (self.sight, additions.sight)):
             if handle is not None:
                 set_visible(handle, flying and wanted)
         if flying:
-            self._move(time_s, layers)
+            self._move(time_s, additions)
 
-    def paint(self, layers: Layers) -> None:
-        """Bring what does not depend on the time in line with the layers: whole path, name, colours of trails."""
+    def paint(self, additions: Additions) -> None:
+        """Bring what does not depend on the time in line with the additions: whole path, name, colours of trails."""
         if self.path is not None:
-            set_visible(self.path, layers.trails)
+            set_visible(self.path, additions.trails)
         if self.label is not None:
-            set_visible(self.label, layers.labels)
+            set_visible(self.label, additions.labels)
         if self.energy is not None and self.path is not None:
             faint = np.broadcast_to(np.array(self.energy.faint, np.uint8), (len(self.path.points) + 1, 3))
-            inks = self.energy.at(self.motion, _path_times(self.motion)) if layers.energy else faint
+            inks = self.energy.at(self.motion, _path_times(self.motion)) if additions.energy else faint
             self.path.colors = _segment_colours(inks)
-            if not layers.energy:
+            if not additions.energy:
                 self.tail.colors = np.broadcast_to(np.array(self.energy.own, np.uint8), self.tail.points.shape).copy()
 
-    def _move(self, time_s: float, layers: Layers) -> None:
+    def _move(self, time_s: float, additions: Additions) -> None:
         position = self.motion.position(time_s)
         self.mesh.position, self.mesh.wxyz = position, self.motion.attitude(time_s)
         self.drop.points = drop_line(position)
-        if layers.trails:
+        if additions.trails:
             self.tail.points = tail_lines(self.motion, time_s)
-            if layers.energy and self.energy is not None:
+            if additions.energy and self.energy is not None:
                 times = self.motion.tail_times(time_s, TAIL_S, TAIL_POINTS)
                 self.tail.colors = _segment_colours(self.energy.at(self.motion, times))
-        if layers.beams and self.beams is not None:
+        if additions.beams and self.beams is not None:
             level = quaternions(np.array([self.motion.heading(time_s)]), NOWHERE[:1], NOWHERE[:1])[0]
             self.beams.position, self.beams.wxyz = position, level
-        if layers.sight and self.sight is not None and self.seen_from is not None:
+        if additions.sight and self.sight is not None and self.seen_from is not None:
             self.sight.points = segments(np.array([self.seen_from.position(time_s), position]))
 
 
@@ -123,9 +123,9 @@ class Mark:
     until_s: float = np.inf
     is_label: bool = False
 
-    def place(self, time_s: float, layers: Layers) -> None:
+    def place(self, time_s: float, additions: Additions) -> None:
         """Show or hide it."""
-        wanted = layers.labels or not self.is_label
+        wanted = additions.labels or not self.is_label
         set_visible(self.handle, wanted and self.time_s <= time_s <= self.until_s)
 
 

@@ -2,7 +2,17 @@
 const HIDE = `
   [data-floating-window], [data-dock-region], [data-dock-bar], .mantine-Notifications-root, .mantine-Affix-root { display: none !important }
   body { background: transparent }`
-const CAMERAS = [["overview", "Overview"], ["top", "Top"], ["chase-a", "Follow A"], ["chase-b", "Follow B"]]
+const CAMERAS = [["overview", "Overview", "All of both battlefields"], ["top", "Top", "Straight down"],
+  ["chase-a", "Chase A", "Behind evader A"], ["chase-b", "Chase B", "Behind evader B"]]
+const BRANCH = ["chase-branch", "Chase branch", "Behind the evader of the branch"]
+const FREE = ["free", "Free", "Stay here; drag turns, the wheel zooms, the right button moves"]
+const DRAWN = [["readouts", "Read-outs", "Speed, load, range, closure, azimuth and energy over the picture"],
+  ["labels", "Labels", "Names of bodies, and miss distances when a missile has passed"],
+  ["trails", "Trails", "Whole paths, and the last 75 s of them"],
+  ["sight", "Sight", "Lines from the evader to every missile in flight"],
+  ["beams", "±90°", "Beam lines at ±90° off the evader's nose, where defensive dragging holds the closest missile"],
+  ["energy", "Energy", "Trails of missiles by the energy they have left: bright is much, dull is little"]]
+const PASSED_ON = new Set([" ", "?", "c", ",", ".", "[", "]"])
 
 function isDark() {
   const colour = getComputedStyle(document.documentElement).getPropertyValue("--panel-background-color").trim()
@@ -38,7 +48,14 @@ export function render({model}) {
   bar.className = "bar"
   bar.setAttribute("role", "group")
   bar.setAttribute("aria-label", "Camera")
-  root.append(frame, cover, bar)
+  const left = document.createElement("div")
+  left.className = "bar left"
+  left.setAttribute("role", "group")
+  left.setAttribute("aria-label", "What is drawn")
+  const bars = document.createElement("div")
+  bars.className = "bars"
+  bars.append(left, bar)
+  root.append(frame, cover, bars)
 
   function hide() {
     const page = frame.contentDocument
@@ -47,17 +64,55 @@ export function render({model}) {
     style.id = "workbench-style"
     style.textContent = HIDE
     page.head.append(style)
+    hold(page)
   }
 
+  function choose(name) { model.camera = name; model.look += 1; drawBar() }
+
+  // Whoever takes hold of the picture wants to keep what she turns it to.
+  function hold(page) {
+    if (page.documentElement.dataset.held) { return }
+    page.documentElement.dataset.held = "1"
+    const free = () => { if (model.camera !== "free") { model.camera = "free"; drawBar() } }
+    page.addEventListener("pointerdown", free, {capture: true, passive: true})
+    page.addEventListener("wheel", free, {capture: true, passive: true})
+    // Keys of the page work while the picture has the focus; the others turn the camera.
+    page.addEventListener("keydown", (event) => {
+      if (!PASSED_ON.has(event.key) || event.ctrlKey || event.altKey || event.metaKey) { return }
+      event.preventDefault()
+      const {key, code, shiftKey} = event
+      document.dispatchEvent(new KeyboardEvent("keydown", {key, code, shiftKey, bubbles: true}))
+    })
+  }
+
+  function toggles() {
+    return DRAWN.map(([name, words, title]) => {
+      const button = document.createElement("button"), on = model.drawn.includes(name)
+      button.type = "button"
+      button.textContent = words
+      button.title = title
+      button.classList.toggle("on", on)
+      button.setAttribute("aria-pressed", String(on))
+      button.onclick = () => {
+        model.drawn = on ? model.drawn.filter((other) => other !== name) : [...model.drawn, name]
+        drawBar()
+      }
+      return button
+    })
+  }
+
+  function cameras() { return [...CAMERAS, ...(model.branch ? [BRANCH] : []), FREE] }
+
   function drawBar() {
-    const branch = model.branch ? [["chase-branch", "Follow branch"]] : []
-    const buttons = [...CAMERAS, ...branch].map(([name, words]) => {
+    const focused = root.getRootNode().activeElement?.textContent
+    const buttons = cameras().map(([name, words, title]) => {
       const button = document.createElement("button")
       button.type = "button"
       button.textContent = words
+      button.title = `${title} (c for the next camera)`
       button.classList.toggle("on", model.camera === name)
       button.setAttribute("aria-pressed", String(model.camera === name))
-      button.onclick = () => { model.camera = name; model.look += 1; drawBar() }
+      button.onclick = () => choose(name)
       return button
     })
     const both = document.createElement("button")
@@ -75,6 +130,8 @@ export function render({model}) {
     photo.classList.add("apart")
     photo.onclick = () => { photo.textContent = "…"; model.photo += 1 }
     bar.replaceChildren(...buttons, both, photo)
+    left.replaceChildren(...toggles())
+    for (const button of [...bar.children, ...left.children]) { if (focused && button.textContent === focused) { button.focus() } }
   }
 
   frame.addEventListener("load", hide)
@@ -86,7 +143,17 @@ export function render({model}) {
     // viser's canvas is black until its first frame; nothing tells when that is.
     if (frame.contentDocument?.querySelector("canvas") && ++seen > 4) { cover.classList.add("gone") }
   }, 300)
-  model.on(["camera", "overlay", "branch"], drawBar)
+  function onKey(event) {
+    const busy = event.composedPath()[0]
+    const typing = busy instanceof Element && busy.closest("input:not([type=range]), textarea, select, [role=combobox], [contenteditable]")
+    if (event.key !== "c" || typing || event.ctrlKey || event.altKey || event.metaKey) { return }
+    const names = cameras().map(([name]) => name)
+    choose(names[(names.indexOf(model.camera) + 1) % names.length])
+  }
+
+  document.addEventListener("keydown", onKey)
+  model.on("remove", () => document.removeEventListener("keydown", onKey))
+  model.on(["camera", "overlay", "branch", "drawn"], drawBar)
   model.on("picture", () => {
     if (!model.picture) { return }
     const link = document.createElement("a")

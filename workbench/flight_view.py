@@ -6,16 +6,19 @@ import asyncio
 import base64
 import io
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
+import numpy as np
+import panel as pn
 import param
 from panel.custom import JSComponent
 from PIL import Image
 
 from layouts.cameras import FIELD_OF_VIEW_RAD, chase, overview
 from layouts.motion import Motion
-from layouts.scene import FlightScene, build_scene
+from layouts.scene import Additions, FlightScene, build_scene
 from layouts.theme import POLICY_A, POLICY_B, Mode
 from sim.trajectory import Trajectory
 
@@ -26,6 +29,9 @@ if TYPE_CHECKING:
 
 CHASE = {"chase-a": 0, "chase-b": 1}
 CHASE_LAYER = "chase-branch"
+FREE = "free"
+USUAL = tuple(field.name for field in fields(Additions) if field.default)
+EYE_AFTER_MS = 500
 PHOTO_PATIENCE_S = 20.0
 PHOTO_WIDTH = 1920
 
@@ -51,7 +57,11 @@ class FlightFrame(JSComponent):
     """The frame around viser's page, with camera buttons; reports whether the page is dark."""
 
     address = param.String(doc="address of the scene's page, on this server")
-    camera = param.String(default="overview", doc="overview, top, chase-a, chase-b or chase-branch; set by the browser")
+    camera = param.String(
+        default="overview", doc="overview, top, chase-a, chase-b, chase-branch or free; set by the browser"
+    )
+    eye = param.List(default=[], doc="of a free camera that was moved: its place and what it looks at, x, y, z [km]")
+    drawn = param.List(default=[], item_type=str, doc="what is drawn besides the bodies; set by the browser")
     look = param.Integer(default=0, doc="counts camera buttons pressed, so that pressing one again resets it")
     overlay = param.Boolean(default=False, doc="both flights on one battlefield; set by the browser")
     branch = param.Boolean(default=False, doc="whether there is a branch to follow")
@@ -67,7 +77,8 @@ class FlightFrame(JSComponent):
 class FlightView:
     """Scene, cameras and frame of one session; `close` when the session ends."""
 
-    def __init__(self, registry: ViserRegistry) -> None:
+    def __init__(self, registry: ViserRegistry, **frame: Any) -> None:
+        """Start a scene of its own; `frame` are first values of the frame: camera, eye, overlay, drawn."""
         self._registry = registry
         self._name, self._server = registry.open()
         self._scene: FlightScene | None = None
@@ -76,10 +87,12 @@ class FlightView:
         self._builds = 0
         self.layer: Layer | None = None
         self._server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
-        self._server.on_client_connect(self._aim)
-        self.frame = FlightFrame(sizing_mode="stretch_width", margin=0)
+        self._server.on_client_connect(self._greet)
+        self._page, self._moved = pn.state.curdoc, False
+        self.frame = FlightFrame(sizing_mode="stretch_width", margin=0, **{"drawn": list(USUAL), **frame})
         self.frame.param.watch(lambda *_events: self._build(), ["dark", "overlay"])
         self.frame.param.watch(lambda *_events: self._aim_all(), ["camera", "look"])
+        self.frame.param.watch(lambda *_events: self._redraw(), "drawn")
         self.frame.param.watch(self._photograph, "photo")
 
     def load(self, flights: Sequence[Trajectory]) -> None:
@@ -95,7 +108,7 @@ class FlightView:
         self._time_s = time_s
         if self._scene is None:
             return
-        self._scene.show(time_s)
+        self._scene.show(time_s, self.additions)
         if self.layer is not None:
             self.layer.show(time_s)
         if self.frame.camera in (*CHASE, CHASE_LAYER):
@@ -114,10 +127,20 @@ class FlightView:
         self._scene = build_scene(
             self._server, self._flights, colours, mode, self.frame.overlay, f"/build_{self._builds}"
         )
-        self._scene.show(self._time_s)
+        self._redraw()
         self.draw_layer()
         if not keep_camera:
             self._aim_all()
+
+    @property
+    def additions(self) -> Additions:
+        """What is drawn besides the bodies."""
+        return Additions(**{field.name: field.name in self.frame.drawn for field in fields(Additions)})
+
+    def _redraw(self) -> None:
+        if self._scene is not None:
+            self._scene.paint(self.additions)
+            self._scene.show(self._time_s, self.additions)
 
     def draw_layer(self) -> None:
         """Draw the layer into the present scene, as when it has something new to show."""
@@ -135,22 +158,52 @@ class FlightView:
         for client in self._server.get_clients().values():
             self._aim(client)
 
-    def _aim(self, client: viser.ClientHandle) -> None:
-        if self._scene is None:
+    def _greet(self, client: viser.ClientHandle) -> None:
+        if self.frame.camera == FREE and len(self.frame.eye) == 6:
+            with client.atomic():
+                client.camera.fov = FIELD_OF_VIEW_RAD
+                client.camera.position, client.camera.look_at = np.array(self.frame.eye).reshape(2, 3)
+        else:
+            self._aim(client, force=True)
+        client.camera.on_update(self._notice)
+
+    def _notice(self, camera: viser.CameraHandle) -> None:
+        """A free camera was moved: say so in the frame, soon; viser calls this from a thread of its own."""
+        page = self._page
+        if self.frame.camera != FREE or page is None or self._moved:
+            return
+        self._moved = True
+
+        def report() -> None:
+            self._moved = False
+            if self.frame.camera == FREE:
+                self.frame.eye = [round(float(value), 1) for value in (*camera.position, *camera.look_at)]
+
+        def soon() -> None:
+            page.add_timeout_callback(report, EYE_AFTER_MS)
+
+        page.add_next_tick_callback(soon)
+
+    def _aim(self, client: viser.ClientHandle, force: bool = False) -> None:
+        if self._scene is None or (self.frame.camera == FREE and not force):
             return
         scene, camera = self._scene, client.camera
-        number = CHASE.get(self.frame.camera)
         with client.atomic():
             camera.fov = FIELD_OF_VIEW_RAD
-            layered = self.layer.evader if self.layer and self.frame.camera == CHASE_LAYER else None
-            if layered is not None:
-                camera.position, camera.look_at = chase(layered, self._time_s)
-            elif number is not None and number < len(scene.evaders):
-                camera.position, camera.look_at = chase(scene.evaders[number], self._time_s)
+            followed = self._followed(scene)
+            if followed is not None:
+                camera.position, camera.look_at = chase(followed, self._time_s)
             else:
                 camera.position, camera.look_at = overview(
                     scene.width_km, scene.depth_km, camera.aspect, top=self.frame.camera == "top"
                 )
+
+    def _followed(self, scene: FlightScene) -> Motion | None:
+        """Whom the camera follows."""
+        if self.frame.camera == CHASE_LAYER:
+            return self.layer.evader if self.layer else None
+        number = CHASE.get(self.frame.camera, len(scene.evaders))
+        return scene.evaders[number] if number < len(scene.evaders) else None
 
 
 def photograph(client: viser.ClientHandle) -> str:

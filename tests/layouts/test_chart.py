@@ -6,13 +6,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
-from bokeh.models import CustomAction, SaveTool, Span
+from bokeh.models import CustomAction, SaveTool
 
-from layouts import azimuth, ranges, rewards, speeds
-from layouts.chart import CURSOR_TAG, MAX_POINTS, FlightChart, thin_index
+from layouts import azimuth, closure, energy, ranges, rewards, speeds
+from layouts.chart import CURSOR_TAG, MAX_POINTS, OVER_TIME_TAG, FlightChart, thin_index
 from tests.layouts.sample import sample_flight
 
-CHARTS = [azimuth.azimuth_chart, ranges.range_chart, speeds.speed_chart, rewards.reward_chart]
+CHARTS = [
+    azimuth.azimuth_chart, ranges.range_chart, closure.closure_chart, speeds.speed_chart, energy.energy_chart,
+    rewards.reward_chart,
+]  # fmt: skip
 
 
 def test_thinning_keeps_the_ends_the_asked_for_and_the_limit() -> None:
@@ -50,6 +53,7 @@ def test_masked_missiles_leave_the_legend_and_come_back(make: Callable[[Sequence
 @pytest.mark.parametrize("make", CHARTS)
 def test_every_chart_has_a_clock_cursor_and_both_downloads(make: Callable[[Sequence[int]], FlightChart]) -> None:
     figure = make(range(1, 5)).figure
-    assert sum(CURSOR_TAG in span.tags for span in figure.select(Span)) == 1
+    assert {CURSOR_TAG, OVER_TIME_TAG} <= set(figure.tags)
+    assert {"tap", "pan"} <= set(figure.js_event_callbacks)
     assert any(isinstance(tool, SaveTool) for tool in figure.tools)
     assert any(isinstance(tool, CustomAction) and "CSV" in tool.description for tool in figure.tools)

@@ -16,14 +16,18 @@ from sim.errors import SubMasError
 from sim.scenario_file import load_scenario
 from workbench.context import AppContext
 from workbench.flight_view import FlightView
-from workbench.pages.address import read_query
+from workbench.pages.address import read_query, write_query
 from workbench.pages.fly_cards import CARD_CSS, flight_card, note_card
 from workbench.pages.fly_clock import FlightClock
 from workbench.pages.fly_controls import FlyControls
+from workbench.pages.fly_cursors import FlightCursors
 from workbench.pages.fly_events import EventList, event_rows
 from workbench.pages.fly_figures import Pair
 from workbench.pages.fly_flights import BlindPolicyError, Flights, fly_both
+from workbench.pages.fly_help import HelpSheet
+from workbench.pages.fly_hud import FlightHud
 from workbench.pages.fly_layout import arrange
+from workbench.pages.fly_look import READOUTS, frame_values, looked, read_look
 from workbench.pages.fly_settings import FlySettings, default_settings, keep_start, read_settings
 from workbench.pages.fly_stick import FlyStick
 from workbench.pages.fly_stick_view import StickParts
@@ -32,6 +36,7 @@ from workbench.policies import policy_choices
 from workbench.scenarios import scenario_choices
 
 COLOURS = {"A": POLICY_A, "B": POLICY_B}
+CORNER = {"margin": 0, "width": 30, "height": 30, "sizing_mode": "fixed"}
 SLIM = {
     "py": 0, "alignItems": "center", "& p": {"margin": 0}, "& .MuiAlertTitle-root:empty": {"display": "none"},
     "& .MuiAlert-message": {"padding": "6px 0"},
@@ -53,6 +58,8 @@ class FlyPage:
         scenarios = scenario_choices(context.store)
         defaults = default_settings(list(self._labels))
         self._settings, problems = read_settings(read_query(), self._labels, scenarios.values(), defaults)
+        self._look, odd = read_look(read_query())
+        problems += odd
         self._request = 0
         self._flown = False
         self._offered: frozenset[int] = frozenset()
@@ -81,13 +88,21 @@ class FlyPage:
             )
             for letter, spec in (("A", self._settings.a), ("B", self._settings.b))
         }  # fmt: skip
-        self._view = FlightView(self._context.viser)
+        self._view = FlightView(self._context.viser, **frame_values(self._look))
         pn.state.on_session_destroyed(lambda _session: self._view.close())
-        self._clock = FlightClock(time=self._settings.time_s, sizing_mode="stretch_width", margin=0, height=48)
+        self._view.frame.param.watch(self._watch_frame, ["camera", "eye", "drawn", "overlay"])
+        self._hud = FlightHud(visible_hud=READOUTS in self._look.drawn, sizing_mode="stretch_width", margin=0)
+        self._clock = FlightClock(
+            time=self._settings.time_s, speed=self._look.speed, sizing_mode="stretch_width", margin=0, height=48
+        )
         self._clock.param.watch(self._tick, "time")
         self._clock.param.watch(self._settle, "settled")
+        self._clock.param.watch(lambda event: self._see(speed=event.new), "speed")
         self._events = EventList(sizing_mode="stretch_width", margin=0)
-        self._tabs = FlightTabs(self._context.recordings, load_scenario(self._settings.scenario), self._rerun_state)
+        self._tabs = FlightTabs(
+            self._context.recordings, load_scenario(self._settings.scenario), self._rerun_state, self._look,
+            lambda tab, over, whole: self._see(tab=tab, over=over, whole=whole),
+        )  # fmt: skip
         self._stick = FlyStick(StickParts(self._view, self._clock, self._events), self._context.store, self._labels)
 
     def _arrange(self) -> pn.viewable.Viewable:
@@ -96,7 +111,12 @@ class FlyPage:
             notices=[self._progress, self._alert, self._offer, self._note],
             cards=list(self._cards.values()),
             replay=self._view.frame,
-            clock=self._clock,
+            readouts=self._hud,
+            clock=[
+                self._clock,
+                HelpSheet(**CORNER),
+                FlightCursors(width=0, height=0, margin=0),
+            ],
             events=self._events,
             stick=self._stick.layout,
             tabs=self._tabs.layout,
@@ -126,23 +146,30 @@ class FlyPage:
             pn.state.execute(partial(self._show, settings, flights), schedule=True)
 
     def _show(self, settings: FlySettings, flown: Flights) -> None:
-        pair = Pair(flown.a, flown.b, f"A · {self._labels[settings.a]}", f"B · {self._labels[settings.b]}")
+        titles = (f"A · {self._labels[settings.a]}", f"B · {self._labels[settings.b]}")
+        pair = Pair(flown.a, flown.b, *titles, flown.guide_a, flown.guide_b)
         flights = {"A": flown.a, "B": flown.b}
         self._flown = True
         self._note.param.update(object=html.escape(" ".join(flown.notes)), visible=bool(flown.notes))
         for letter, spec in (("A", settings.a), ("B", settings.b)):
             self._cards[letter].object = flight_card(letter, self._labels[spec], flights[letter], COLOURS[letter])
+        self._tabs.show(pair)
         rows = event_rows(flights, COLOURS)
         self._events.events = rows
-        self._view.load([pair.a, pair.b])
+        self._hud.flights = list(flown.readouts)
         start = min(self._settings.time_s, pair.duration_s)
         self._clock.param.update(duration=pair.duration_s, marks=rows)
         if start != self._clock.time:
             self._clock.move(start)
         self._stick.show(settings, flown, rows)
-        self._view.show(start)
-        self._tabs.show(pair)
         self._write_address()
+        # The scene comes last: it is heavy, and neither curves nor read-outs should wait for it.
+        pn.state.execute(partial(self._show_scene, self._request, pair, start), schedule=True)
+
+    def _show_scene(self, request: int, pair: Pair, start_s: float) -> None:
+        if request == self._request:
+            self._view.load([pair.a, pair.b])
+            self._view.show(start_s)
 
     def _refuse(self, settings: FlySettings, error: SubMasError) -> None:
         sentence = str(error)
@@ -168,9 +195,17 @@ class FlyPage:
         self._settings = replace(self._settings, time_s=round(event.new, 1))
         self._write_address()
 
+    def _watch_frame(self, *_events: Any) -> None:
+        self._see(**looked(self._view.frame))
+
+    def _see(self, **changes: Any) -> None:
+        """Somebody looks at it differently."""
+        self._look = replace(self._look, **changes)
+        self._hud.visible_hud = READOUTS in self._look.drawn
+        self._write_address()
+
     def _write_address(self) -> None:
-        if pn.state.location is not None:
-            pn.state.location.update_query(**self._settings.to_query())
+        write_query(**self._settings.to_query(), **self._look.to_query())
 
     def _complain(self, sentence: str) -> None:
         self._alert.object = html.escape(sentence)

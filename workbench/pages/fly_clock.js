@@ -1,8 +1,12 @@
 // One clock for the page. It ticks here; Python hears of it as often as it can answer, everything else by browser events.
 //   "flight-clock" (detail: seconds) asks to move the clock; "flight-time" (detail: {time, playing}) tells where it is.
-const CURSOR = "clock-cursor"
 const PLAY = "M8 5.5v13l11-6.5z", PAUSE = "M7 5h3.6v14H7zM13.4 5H17v14h-3.6z"
-const SEND_MS = 66, PAINT_MS = 50, SETTLE_MS = 400
+const SHAPES = {
+  event_back: "M6 5h2.2v14H6zM19 5v14L9.5 12z", step_back: "M15.5 5.5v13L7 12z",
+  step_on: "M8.5 5.5v13L17 12z", event_on: "M15.8 5H18v14h-2.2zM5 5v14l9.5-7z",
+}
+const SEND_MS = 40, SETTLE_MS = 400
+const STEP_S = 1, LEAP_S = 10, FINE_S = 0.1
 
 const text = (seconds) => {
   const whole = Math.floor(seconds + 1e-6)
@@ -17,28 +21,26 @@ function make(tag, name, parent, attributes = {}) {
   return node
 }
 
-function cursors() {
-  const found = []
-  for (const doc of globalThis.Bokeh?.documents ?? []) {
-    for (const model of doc._all_models?.values() ?? []) {
-      if (model.tags?.includes?.(CURSOR)) { found.push(model) }
-    }
-  }
-  return found
-}
-
 export function render({model}) {
   const root = make("div", "clock", document.createElement("div"))
   const play = make("button", "play", root, {type: "button", title: "Play or pause (space)", "aria-label": "Play or pause"})
   play.innerHTML = "<svg viewBox='0 0 24 24' width='26' height='26'><path fill='currentColor'/></svg>"
+  const steps = make("div", "steps", root, {role: "group", "aria-label": "Step"})
+  for (const [shape, words, move] of [
+    ["event_back", "Previous event ([)", () => leap(-1)], ["step_back", "One step back (left arrow)", () => stepBy(-STEP_S)],
+    ["step_on", "One step on (right arrow)", () => stepBy(STEP_S)], ["event_on", "Next event (])", () => leap(1)]]) {
+    const button = make("button", "step", steps, {type: "button", title: words, "aria-label": words.replace(/ \(.*/, "")})
+    button.innerHTML = `<svg viewBox='0 0 24 24' width='20' height='20' aria-hidden='true'><path fill='currentColor' d='${SHAPES[shape]}'/></svg>`
+    button.onclick = move
+  }
   const now = make("span", "now", root)
   const track = make("div", "track", root)
   const marks = make("div", "marks", track)
   const rail = make("input", "rail", track, {type: "range", min: 0, step: 0.05, "aria-label": "Time in seconds"})
   const end = make("span", "end", root)
   const speeds = make("div", "speeds", root, {role: "group", "aria-label": "Playback speed"})
-  let time = model.time, playing = model.playing, spans = [], looked = 0
-  let frame = 0, before = 0, painted = 0, sent = 0, waiting = false, timer = 0, settle = 0
+  let time = model.time, playing = model.playing
+  let frame = 0, before = 0, sent = 0, waiting = false, timer = 0, settle = 0
 
   function draw() {
     const share = model.duration > 0 ? time / model.duration : 0
@@ -70,10 +72,23 @@ export function render({model}) {
     }
   }
 
-  function moveCursors() {
-    const stamp = performance.now()
-    if (stamp - looked > 700) { spans = cursors(); looked = stamp }
-    for (const span of spans) { if (span.location !== time) { span.setv({location: time}, {sync: false}) } }
+  function setSpeed(way) {
+    const place = model.speeds.indexOf(model.speed) + way
+    if (place >= 0 && place < model.speeds.length) { model.speed = model.speeds[place]; drawSpeeds() }
+  }
+
+  // A single step is for looking closely: it ends the play, and lands on whole steps.
+  function stepBy(seconds) {
+    if (playing) { setPlaying(false) }
+    const whole = Math.abs(seconds), place = time / whole
+    put((seconds > 0 ? Math.floor(place + 1e-6) + 1 : Math.ceil(place - 1e-6) - 1) * whole)
+  }
+
+  function leap(way) {
+    const times = [...new Set(model.marks.map((mark) => mark.time))].sort((a, b) => a - b)
+    const next = way > 0 ? times.find((one) => one > time + 0.02) : times.findLast((one) => one < time - 0.02)
+    if (playing) { setPlaying(false) }
+    put(next ?? (way > 0 ? model.duration : 0))
   }
 
   // Python answers each time with `shown`; the next one leaves only then, so a slow machine skips instances and never lags behind.
@@ -88,10 +103,9 @@ export function render({model}) {
     model.time = time
   }
 
-  function put(value, paint = true) {
+  function put(value) {
     time = Math.min(Math.max(value, 0), model.duration)
     draw()
-    if (paint) { moveCursors(); painted = performance.now() }
     window.dispatchEvent(new CustomEvent("flight-time", {detail: {time, playing}}))
     send()
     clearTimeout(settle)
@@ -102,7 +116,7 @@ export function render({model}) {
     if (!playing) { return }
     const passed = Math.min(stamp - before, 250) / 1000
     before = stamp
-    put(time + passed * model.speed, stamp - painted > PAINT_MS)
+    put(time + passed * model.speed)
     if (time >= model.duration) { setPlaying(false); return }
     frame = requestAnimationFrame(tick)
   }
@@ -119,13 +133,20 @@ export function render({model}) {
     put(time)
   }
 
+  const KEYS = {
+    ArrowLeft: (event) => stepBy(event.shiftKey ? -LEAP_S : -STEP_S), ArrowRight: (event) => stepBy(event.shiftKey ? LEAP_S : STEP_S),
+    ",": () => stepBy(-FINE_S), ".": () => stepBy(FINE_S), "[": () => leap(-1), "]": () => leap(1),
+    Home: () => put(0), End: () => put(model.duration), "+": () => setSpeed(1), "=": () => setSpeed(1), "-": () => setSpeed(-1),
+  }
+
   function onKey(event) {
     const busy = event.composedPath()[0]
-    if (busy instanceof Element && busy.closest("input:not([type=range]), textarea, select, [role=combobox], [contenteditable]")) { return }
-    if (event.code === "Space" && !(busy instanceof HTMLButtonElement)) { event.preventDefault(); setPlaying(!playing) }
-    if (event.altKey || event.ctrlKey || event.metaKey || busy instanceof HTMLInputElement) { return }
-    const step = {ArrowLeft: -1, ArrowRight: 1}[event.key]
-    if (step) { put(time + step * (event.shiftKey ? 10 : 1)) }
+    if (event.defaultPrevented || event.altKey || event.ctrlKey || event.metaKey) { return }
+    if (busy instanceof Element && busy.closest("input:not([type=range]), textarea, select, dialog, [role=combobox], [role=tab], [role=listbox], [contenteditable]")) { return }
+    const space = event.code === "Space" && !(busy instanceof HTMLButtonElement)
+    if (!space && !KEYS[event.key]) { return }
+    event.preventDefault()
+    if (space) { setPlaying(!playing) } else { KEYS[event.key](event) }
   }
 
   const onClock = (event) => { if (Number.isFinite(event.detail)) { put(event.detail) } }
@@ -136,7 +157,7 @@ export function render({model}) {
   model.on("shown", () => { waiting = false; send() })
   model.on("jump", () => { setPlaying(false); put(model.jump[0]) })
   model.on("playing", () => { if (model.playing !== playing) { setPlaying(model.playing) } })
-  model.on(["duration", "marks"], () => { drawMarks(); looked = 0; put(Math.min(time, model.duration)) })
+  model.on(["duration", "marks"], () => { drawMarks(); put(Math.min(time, model.duration)) })
   model.on("remove", () => {
     playing = false
     cancelAnimationFrame(frame)
@@ -149,8 +170,5 @@ export function render({model}) {
   drawMarks()
   draw()
   if (playing) { setPlaying(true) }
-  // Figures drawn later start at 0; this brings their cursors along.
-  const keep = setInterval(() => { if (root.isConnected && !playing) { moveCursors() } }, 800)
-  model.on("remove", () => clearInterval(keep))
   return root
 }

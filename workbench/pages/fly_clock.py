@@ -8,8 +8,7 @@ from typing import ClassVar
 import param
 from panel.custom import JSComponent
 
-SPEEDS = (1, 10, 30, 60)
-"""Seconds of flight per second of watching that a person may choose."""
+from workbench.pages.fly_look import SPEEDS
 
 
 class FlightClock(JSComponent):

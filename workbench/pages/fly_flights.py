@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from agents.features import unseen_subtasks
 from agents.policy import PolicyError, bind
+from layouts.controls import GuideTrace
+from layouts.instruments import instrument_series
+from layouts.theme import POLICY_A, POLICY_B
 from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.trajectory import Trajectory, fly
+from workbench.guidance import guide_trace
 from workbench.pages.fly_settings import FlySettings
 from workbench.pages.fly_start import start_notes, start_of
 from workbench.policies import resolve_policy
@@ -27,6 +32,10 @@ class Flights:
     b: Trajectory
     notes: tuple[str, ...]
     """Sentences about where they start, and about policies that were trained on another scenario."""
+    guide_a: GuideTrace | None = None
+    guide_b: GuideTrace | None = None
+    readouts: tuple[dict[str, Any], ...] = ()
+    """What the read-outs over the replay need of both."""
 
 
 class BlindPolicyError(PolicyError):
@@ -57,5 +66,9 @@ def fly_both(settings: FlySettings, store: RunStore) -> Flights:
         fly(flown, act, spec, settings.seed, settings.episode, RECORD_EVERY, state)
         for act, spec in zip(bound, (settings.a, settings.b), strict=True)
     )
+    guides = [guide_trace(flight, policies[letter], flight.policy, store) for letter, flight in (("A", a), ("B", b))]
+    rows = zip("AB", (a, b), (POLICY_A, POLICY_B), guides, strict=True)
+    readouts = tuple(instrument_series(flight, letter, colour, guide) for letter, flight, colour, guide in rows)
     told = [(letter, trained_elsewhere(policy, task)) for letter, policy in policies.items()]
-    return Flights(a, b, (*start_notes(settings), *(f"{letter}: {sentence}." for letter, sentence in told if sentence)))
+    notes = (*start_notes(settings), *(f"{letter}: {sentence}." for letter, sentence in told if sentence))
+    return Flights(a, b, notes, *guides, readouts)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import panel as pn
 
-REPLAY_HEIGHT = 325
+OVER = {"position": "absolute", "top": "0", "left": "0", "right": "0", "zIndex": "1", "pointer-events": "none"}
 STAGE_CSS = """
 :host { display: grid !important; grid-template-columns: minmax(0, 1fr) 290px; gap: 14px;
   grid-auto-rows: auto; height: auto !important }
@@ -19,15 +19,20 @@ def arrange(
     notices: Sequence[pn.viewable.Viewable],
     cards: Sequence[pn.viewable.Viewable],
     replay: pn.viewable.Viewable,
-    clock: pn.viewable.Viewable,
+    readouts: pn.viewable.Viewable,
+    clock: Sequence[pn.viewable.Viewable],
     events: pn.viewable.Viewable,
     stick: pn.viewable.Viewable,
     tabs: pn.viewable.Viewable,
 ) -> pn.viewable.Viewable:
     """The page: controls, then replay and events (beside it, or below on narrow screens), then the curves."""
-    replay.height = REPLAY_HEIGHT
+    readouts.styles = OVER
+    picture = pn.Column(replay, readouts, sizing_mode="stretch_width", margin=0, styles={"position": "relative"})
+    time = pn.FlexBox(
+        *clock, flex_wrap="nowrap", align_items="center", gap="12px", sizing_mode="stretch_width", margin=0
+    )
     both_cards = pn.FlexBox(*cards, flex_wrap="nowrap", gap="12px", sizing_mode="stretch_width", margin=0)
-    stage = pn.Column(both_cards, replay, clock, sizing_mode="stretch_width", margin=0, styles={"gap": "8px"})
+    stage = pn.Column(both_cards, picture, time, sizing_mode="stretch_width", margin=0, styles={"gap": "8px"})
     return pn.Column(
         pn.FlexBox(*controls, gap="14px", align_items="end", sizing_mode="stretch_width", margin=0),
         *notices,

@@ -125,4 +125,37 @@ def test_a_blind_policy_is_offered_the_mask_that_works(shown: FlyPage, monkeypat
     asyncio.run(shown._fly())
     assert not shown._alert.visible
     assert "A: policy &#x27;submas-target&#x27; was trained on scenario &#x27;default&#x27;" in shown._note.object
-    assert "missile_6_km" in shown._tabs._charts.pair("Range").a.source.column_names
+    assert "missile_6_km" in shown._tabs._charts.pair("range").a.source.column_names
+
+
+def test_curves_come_before_the_scene_which_is_heavy(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    order: list[str] = []
+    monkeypatch.setattr(shown._tabs, "show", lambda _pair: order.append("curves"))
+    monkeypatch.setattr(shown._view, "load", lambda _flights: order.append("scene"))
+    asyncio.run(shown._fly())
+    assert order == ["curves", "scene"]
+
+
+def test_the_read_outs_and_the_guide_belong_to_the_flights_shown(shown: FlyPage) -> None:
+    asyncio.run(shown._fly())
+    a, b = shown._hud.flights
+    assert (a["letter"], b["letter"]) == ("A", "B")
+    assert a["guide"] is not None
+    assert b["guide"] is None
+
+
+def test_what_a_browser_sets_is_in_the_address(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: dict[str, str] = {}
+    monkeypatch.setattr(fly, "write_query", lambda **values: written.update(values))
+    shown._view.frame.camera = "chase-b"
+    shown._view.frame.drawn = ["labels", "energy"]
+    shown._clock.speed = 10
+    shown._tabs._over.value = True
+    assert (written["camera"], written["show"], written["curves"], written["speed"]) == (
+        "chase-b",
+        "energy",
+        "over",
+        "10",
+    )
+    assert written["hide"] == "readouts,trails,sight,beams"
+    assert not shown._hud.visible_hud

@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from layouts.captions import clock_text, distance_text, outcome_text
+from layouts.controls import ActionChart, GuideTrace
 from layouts.theme import missile_colour
 from sim.scenario_file import load_scenario
 from sim.world import Outcome
 from tests.layouts.sample import END_S, sample_flight
 from workbench.pages.fly_cards import flight_card
 from workbench.pages.fly_events import event_rows
-from workbench.pages.fly_figures import ChartPairs, Pair
+from workbench.pages.fly_figures import ChartPairs, Pair, Sight
 from workbench.pages.fly_flights import BlindPolicyError, fly_both
 from workbench.pages.fly_settings import FlySettings
 from workbench.runs import RunStore
@@ -56,24 +58,54 @@ def test_events_of_both_flights_are_in_order_and_carry_their_flight() -> None:
     assert rows[-1]["kind"] == "exit"
 
 
-def test_both_figures_of_a_pair_have_one_scale() -> None:
+def test_both_figures_of_a_kind_have_one_scale() -> None:
     charts = ChartPairs(load_scenario())
     pair = Pair(sample_flight(), sample_flight(masked=frozenset({3, 4})), "A · one", "B · other")
-    for title in charts.titles:
-        both = charts.pair(title)
+    for kind in [kind for kinds in charts.tabs.values() for kind in kinds]:
+        both = charts.pair(kind)
         both.show(pair)
         assert both.a.figure.x_range is both.b.figure.x_range
+        assert kind == "action" or both.a.figure.y_range is both.b.figure.y_range or kind == "azimuth"
         assert both.a.figure.title.text == "A · one"
-    assert charts.pair("Range").a.figure.x_range.end == END_S
 
 
-def test_figure_12_shows_the_time_in_which_missiles_fly() -> None:
+def test_curves_show_the_time_in_which_missiles_fly_or_the_whole_flights() -> None:
     charts = ChartPairs(load_scenario())
-    azimuths = charts.pair("Azimuth")
-    azimuths.show(Pair(sample_flight(), sample_flight(), "A", "B"))
-    assert azimuths.x_range is not None
-    assert (azimuths.x_range.start, azimuths.x_range.end) == (15.0, 195.0)
-    assert azimuths.x_range.bounds == (0.0, END_S)
+    pair = Pair(sample_flight(), sample_flight(), "A", "B")
+    charts.fit_time(pair, Sight())
+    assert (charts.time.start, charts.time.end) == (15.0, 195.0)
+    assert charts.time.bounds == (0.0, END_S)
+    charts.fit_time(pair, Sight(whole=True))
+    assert (charts.time.start, charts.time.end) == (0.0, END_S)
+
+
+def test_one_figure_shows_both_flights_and_takes_its_scale_from_both() -> None:
+    charts = ChartPairs(load_scenario())
+    near, far = sample_flight(), sample_flight(masked=frozenset({1, 2, 3, 4}))
+    ranges = charts.pair("range")
+    ranges.show(Pair(far, near, "A · far", "B · near"), over=True)
+    (figure,) = ranges.figures(over=True)
+    assert "A · far (solid)" in figure.title.text
+    assert "B · near (dotted)" in figure.title.text
+    assert ranges.over is not None
+    assert np.isfinite(ranges.over.source.data["missile_1_km"]).any()
+    assert not np.isfinite(ranges.over.first.source.data["missile_1_km"]).any()
+
+
+def test_the_guide_is_drawn_beside_its_own_policy_only() -> None:
+    flight = sample_flight()
+    allowed = np.ones(len(flight.action_rad), dtype=bool)
+    allowed[10:20] = False
+    trace = GuideTrace("guide", (4,), allowed, np.full(len(allowed), 0.5))
+    actions = ChartPairs(load_scenario()).pair("action")
+    actions.show(Pair(flight, flight, "A", "B", guide_a=trace))
+    assert isinstance(actions.a, ActionChart)
+    assert isinstance(actions.b, ActionChart)
+    assert np.degrees(0.5) == pytest.approx(actions.a.source.data["guide_deg"])
+    assert list(actions.a.bands.data["from_s"]) == [10.0]
+    assert list(actions.a.bands.data["to_s"]) == [20.0]
+    assert not np.isfinite(actions.b.source.data["guide_deg"]).any()
+    assert len(actions.b.bands.data["from_s"]) == 0
 
 
 def test_without_missiles_the_whole_flight_is_shown() -> None:
@@ -114,7 +146,7 @@ def test_a_blind_policy_is_refused_with_the_mask_that_works(tmp_path: Path) -> N
 
 def test_figures_have_a_curve_for_every_missile_of_the_scenario() -> None:
     charts = ChartPairs(load_scenario("six-missiles"))
-    assert "missile_6_deg" in charts.pair("Azimuth").a.source.column_names
-    inks = {str(line.glyph.line_color): line.glyph.line_dash for line in charts.pair("Azimuth").a.figure.renderers[:6]}
+    assert "missile_6_deg" in charts.pair("azimuth").a.source.column_names
+    inks = {str(line.glyph.line_color): line.glyph.line_dash for line in charts.pair("azimuth").a.figure.renderers[:6]}
     assert list(inks) == [missile_colour(number) for number in range(1, 7)]
     assert [bool(dash) for dash in inks.values()] == [False] * 4 + [True] * 2
