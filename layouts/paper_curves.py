@@ -30,6 +30,8 @@ class Band:
     """`[T]`; NaN where there is no interval."""
     seeds: tuple[tuple[Values, Values], ...]
     """Steps and values of every single seed."""
+    seed_names: tuple[str, ...] = ()
+    """How each of them is called where a pointer asks."""
 
 
 @dataclass(frozen=True)

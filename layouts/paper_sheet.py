@@ -53,16 +53,16 @@ def name(axes: Axes, text: str) -> None:
     axes.set_title(text, loc="left", fontsize=10.5, color=INK)
 
 
-def plain(axes: Axes) -> None:
-    """Faint grid, no frame, small figures."""
+def plain(axes: Axes, size: float = 8.5) -> None:
+    """Faint grid, no frame, small figures of this size [points], names of the axes a little larger."""
     axes.grid(color=GRID, linewidth=0.6)
     axes.set_axisbelow(True)
-    axes.tick_params(colors=INK, labelsize=8.5, length=0)
+    axes.tick_params(colors=INK, labelsize=size, length=0)
     for side, spine in axes.spines.items():
         spine.set_visible(side in ("left", "bottom"))
         spine.set_color(GRID)
     for label in (axes.xaxis.label, axes.yaxis.label):
-        label.set(color=INK, fontsize=9)
+        label.set(color=INK, fontsize=size + 0.5)
 
 
 def picture(figure: Figure, kind: Literal["png", "svg"], source: str = "") -> bytes:

@@ -114,7 +114,7 @@ def test_a_small_reproduction_with_nothing_faked(
 ) -> None:
     # Only TD3, from scratch: the shortest training there is.
     only = {**protocol.TRAINED_FOR, "fig9": ("td3",)}
-    for module in ("plan", "pictures", "scorecard"):
+    for module in ("plan", "pictures", "drawings", "scorecard"):
         monkeypatch.setattr(f"workbench.reproduce.{module}.TRAINED_FOR", only)
     line = ["reproduce", "fig9", "--profile", "smoke", "--seeds", "2", "--episodes", "8", "--json"]
     assert cli.main(line) == 0

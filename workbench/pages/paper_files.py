@@ -1,0 +1,26 @@
+"""Files of a result set to download: picture, numbers, curves, the set itself."""
+
+from __future__ import annotations
+
+from workbench.reproduce.number_csv import csv_text, curves_csv_text
+from workbench.reproduce.pictures import picture_of
+from workbench.reproduce.result_file import to_text
+from workbench.reproduce.result_set import ResultSet
+
+File = tuple[str, str, bytes]
+"""Name, media type, content."""
+
+
+def file_of(result: ResultSet, kind: str) -> File | None:
+    """A file of this kind (`png`, `svg`, `csv`, `curves`, `json`); None for one that there is not."""
+    if kind == "csv":
+        return f"{result.item}.csv", "text/csv", csv_text(result).encode()
+    if kind == "curves" and result.curves:
+        return f"{result.item}-curves.csv", "text/csv", curves_csv_text(result).encode()
+    if kind == "json":
+        return f"{result.item}.json", "application/json", to_text(result).encode()
+    if kind == "png" and (picture := picture_of(result, "png")) is not None:
+        return f"{result.item}.png", "image/png", picture
+    if kind == "svg" and (picture := picture_of(result, "svg")) is not None:
+        return f"{result.item}.svg", "image/svg+xml", picture
+    return None
