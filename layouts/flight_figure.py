@@ -18,6 +18,7 @@ from layouts.flight_panels import (
     list_events,
     mark_events,
 )
+from layouts.picture_text import picture_text
 from layouts.theme import FAILURE, GATE, INTERCEPTOR, POLICY_A, SUCCESS, missile_colour
 from sim.trajectory import Trajectory
 from sim.world import Fate
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FAINT = "#d5dbe4"
 SIZE_IN = (14.0, 10.0)
 DPI = 120
 LEFT, MAP_HEIGHT = 0.05, 0.355
@@ -56,6 +56,8 @@ def flight_figure(flight: Trajectory) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from layouts.paper_sheet import plain
+
     # Not pyplot: it would keep every figure, and look for a screen.
     figure = Figure(figsize=SIZE_IN, facecolor="white")
     FigureCanvasAgg(figure)
@@ -73,7 +75,7 @@ def flight_figure(flight: Trajectory) -> Figure:
     _share_time((azimuth, distance), window_s, "time [s], while missiles fly", flight)
     _share_time((speed, reward), whole_s(flight), "time [s], the whole flight", flight)
     for axes in (place, azimuth, distance, speed, reward):
-        _plain(axes)
+        plain(axes, size=9.0)
     _legend(figure, flight)
     return figure
 
@@ -104,7 +106,8 @@ def _title(figure: Figure, flight: Trajectory) -> None:
         f"scenario {flight.task.scenario.name}",
     ]
     ink = SUCCESS if flight.success else FAILURE
-    figure.text(LEFT, 0.962, words, fontsize=16, fontweight="bold", color=INK, parse_math=False)
+    words, families = picture_text(words)
+    figure.text(LEFT, 0.962, words, fontsize=16, fontweight="bold", color=INK, parse_math=False, family=families)
     result = figure.text(LEFT, 0.93, outcome_text(flight), fontsize=12, fontweight="bold", color=ink)
     result_end = result.get_window_extent().transformed(figure.transFigure.inverted()).x1
     figure.text(result_end + 0.012, 0.93, "  ·  ".join(numbers), fontsize=12, color=INK, parse_math=False)
@@ -126,17 +129,6 @@ def _share_time(panels: tuple[Axes, Axes], window_s: tuple[float, float], label:
         mark_events(axes, flight, symbols=axes is upper)
     upper.tick_params(labelbottom=False)
     lower.set_xlabel(label)
-
-
-def _plain(axes: Axes) -> None:
-    axes.grid(color=FAINT, linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.tick_params(colors=INK, labelsize=9, length=0)
-    for side, spine in axes.spines.items():
-        spine.set_visible(side in ("left", "bottom"))
-        spine.set_color(FAINT)
-    for label in (axes.xaxis.label, axes.yaxis.label):
-        label.set(color=INK, fontsize=9.5)
 
 
 def _legend(figure: Figure, flight: Trajectory) -> None:

@@ -3,28 +3,39 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from sim.errors import SubMasError, UsageError
 from sim.trajectory import Trajectory
 from workbench.run_files import write_bytes
 
-Encoder = Callable[[Trajectory], bytes]
+Update = Callable[[int, int], None]
+"""Called with how much is done and how much there is, by formats that take their time."""
+
+Encoder = Callable[[Sequence[Trajectory], Update], bytes]
+"""One flight, or for a format of TOGETHER also two from the same initial state, as the content of a file."""
 
 
 class ExportError(SubMasError):
     """An engagement cannot be written where it was asked for."""
 
 
-def check_target(path: Path) -> None:
+def check_target(path: Path, flights: int = 1) -> None:
     """Refuse a file that cannot be written, before the engagement is flown.
 
     Raises:
-        UsageError: the suffix is not one of FORMATS.
+        UsageError: the suffix is not one of FORMATS, or its format does not hold two flights.
         ExportError: the folder does not exist, or the file is a folder.
+        EncoderMissingError: the library of the format is not installed.
     """
-    suffix_of(path)
+    suffix = suffix_of(path)
+    if flights > 1 and suffix not in TOGETHER:
+        raise UsageError(f"--out {path} holds one flight; two together fit into {', '.join(sorted(TOGETHER))}")
+    if suffix == ".mp4":
+        from workbench.export_video import check_encoder
+
+        check_encoder()
     if not path.parent.is_dir():
         raise ExportError(f"--out {path}: there is no folder {path.parent}")
     if path.is_dir():
@@ -45,73 +56,107 @@ def suffix_of(path: Path) -> str:
     return max(found, key=len)
 
 
-def export(flight: Trajectory, path: Path) -> None:
+def _silent(_done: int, _total: int) -> None:
+    """Tells nobody."""
+
+
+def export(flight: Trajectory, path: Path, other: Trajectory | None = None, update: Update = _silent) -> None:
     """Write an engagement in the format its suffix names: the whole file, or none.
 
+    Args:
+        flight: the engagement.
+        path: the file.
+        other: a second one from the same initial state, beside the first.
+        update: is told the progress of formats that take their time.
+
     Raises:
-        UsageError: the suffix is not one of FORMATS.
+        UsageError: the suffix is not one of FORMATS, or its format does not hold two flights.
         SubMasError: the file cannot be written.
     """
-    check_target(path)
+    check_target(path, 1 if other is None else 2)
     try:
-        data = encode(flight, suffix_of(path))
+        data = encode(flight, suffix_of(path), other, update)
     except OSError as error:
         raise ExportError(f"--out {path} cannot be written: {error.strerror or error}") from error
     write_bytes(path, data)
 
 
-def encode(flight: Trajectory, suffix: str) -> bytes:
-    """An engagement as the content of a file with this suffix, one of FORMATS."""
-    return FORMATS[suffix](flight)
+def encode(flight: Trajectory, suffix: str, other: Trajectory | None = None, update: Update = _silent) -> bytes:
+    """An engagement, and for the formats of TOGETHER another beside it, as the content of a file."""
+    return FORMATS[suffix]([flight] if other is None else [flight, other], update)
 
 
-def _csv(flight: Trajectory) -> bytes:
+def _csv(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from workbench.flight_table import csv_bytes
 
-    return csv_bytes(flight)
+    return csv_bytes(flights[0])
 
 
-def _parquet(flight: Trajectory) -> bytes:
+def _parquet(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from workbench.flight_table import parquet_bytes
 
-    return parquet_bytes(flight)
+    return parquet_bytes(flights[0])
 
 
-def _rrd(flight: Trajectory) -> bytes:
+def _rrd(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from layouts.captions import caption
     from workbench.recordings import write_recording
 
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder) / "flight.rrd"
-        write_recording(scratch, {caption(flight): flight})
+        letters = ("A · ", "B · ") if len(flights) > 1 else ("",)
+        write_recording(
+            scratch, {letter + caption(flight): flight for letter, flight in zip(letters, flights, strict=True)}
+        )
         return scratch.read_bytes()
 
 
-def _acmi(flight: Trajectory) -> bytes:
+def _acmi(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from workbench.acmi import acmi_text
 
-    return acmi_text(flight).encode()
+    return acmi_text(flights[0]).encode()
 
 
-def _zipped_acmi(flight: Trajectory) -> bytes:
+def _zipped_acmi(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from workbench.acmi import zipped_acmi
 
-    return zipped_acmi(flight)
+    return zipped_acmi(flights[0])
 
 
-def _png(flight: Trajectory) -> bytes:
+def _png(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from layouts.flight_figure import picture
 
-    return picture(flight, "png")
+    return picture(flights[0], "png")
 
 
-def _svg(flight: Trajectory) -> bytes:
+def _svg(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from layouts.flight_figure import picture
 
-    return picture(flight, "svg")
+    return picture(flights[0], "svg")
+
+
+def _html(flights: Sequence[Trajectory], _update: Update) -> bytes:
+    from workbench.replay_page import replay_page
+
+    return replay_page(flights)
+
+
+def _gif(flights: Sequence[Trajectory], update: Update) -> bytes:
+    from workbench.export_video import gif_bytes
+
+    return gif_bytes(flights, update)
+
+
+def _mp4(flights: Sequence[Trajectory], update: Update) -> bytes:
+    from workbench.export_video import mp4_bytes
+
+    return mp4_bytes(flights, update)
 
 
 FORMATS: dict[str, Encoder] = {
+    ".html": _html,
+    ".gif": _gif,
+    ".mp4": _mp4,
     ".csv": _csv,
     ".parquet": _parquet,
     ".rrd": _rrd,
@@ -121,3 +166,6 @@ FORMATS: dict[str, Encoder] = {
     ".svg": _svg,
 }
 """Suffix -> content of the file; `docs/exports.md` tells of them. Encoders import their libraries when asked for."""
+
+TOGETHER = frozenset({".html", ".gif", ".mp4", ".rrd"})
+"""Formats that hold two flights on one clock."""

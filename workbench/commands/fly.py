@@ -24,8 +24,10 @@ class Args:
     seed: int = 0
     """Initial state: the same seed starts the same engagement for every policy and mask."""
     out: Path | None = None
-    """Write the engagement to this file: .csv or .parquet (a row per instant), .rrd (Rerun), .acmi or .zip.acmi
-    (Tacview), .png or .svg (a picture)."""
+    """Write the engagement to this file: .html (a replay that opens without a server), .gif or .mp4 (an animation),
+    .csv or .parquet (a row per instant), .rrd (Rerun), .acmi or .zip.acmi (Tacview), .png or .svg (a picture)."""
+    against: str = ""
+    """A second policy that flies from the same initial state, beside the first in an .html, .gif, .mp4 or .rrd."""
     scenario: str = "default"
     """Scenario: a shipped name or a path to a scenario file."""
     runs: Path = Path("runs")
@@ -40,7 +42,7 @@ def run(args: Args) -> int:
     from sim.errors import UsageError
     from sim.task import task_for
     from sim.trajectory import fly
-    from workbench.exports import check_target, export
+    from workbench.exports import check_target
     from workbench.policies import resolve_policy
     from workbench.runs import RunStore
     from workbench.scenarios import trained_elsewhere
@@ -48,21 +50,35 @@ def run(args: Args) -> int:
 
     if args.seed < 0:
         raise UsageError(f"--seed is {args.seed}; it must not be negative")
+    if args.against and args.out is None:
+        raise UsageError(f"--against {args.against} needs --out: the second flight is shown beside the first in a file")
     if args.out is not None:
-        check_target(args.out)
-    task = task_for(args.scenario, args.mask)
-    policy = resolve_policy(args.policy, RunStore(args.runs))
-    flight = fly(task, bind(policy, task), policy.name, args.seed)
+        check_target(args.out, 2 if args.against else 1)
+    task, store = task_for(args.scenario, args.mask), RunStore(args.runs)
+    policies = [resolve_policy(spec, store) for spec in (args.policy, args.against) if spec]
+    bound = [bind(policy, task) for policy in policies]
+    flights = [fly(task, act, policy.name, args.seed) for policy, act in zip(policies, bound, strict=True)]
     if args.out is not None:
-        export(flight, args.out)
-    warning = trained_elsewhere(policy, task)
+        _write(flights, args.out)
+    warnings = [warning for policy in policies if (warning := trained_elsewhere(policy, task))]
     if args.json:
-        print_json({**summary(flight, args.out), "warning": warning or None})
+        print_json({**summary(flights[0], args.out), "warning": " ".join(warnings) or None})
         return 0
-    _show(flight, args.out)
-    if warning:
+    for flight in flights:
+        _show(flight)
+    if args.out is not None:
+        print(f"written to {args.out}")
+    for warning in warnings:
         print_warning(warning)
     return 0
+
+
+def _write(flights: list[Trajectory], out: Path) -> None:
+    from workbench.exports import export
+    from workbench.progress import bar
+
+    with bar(f"writing {out.name}", "pictures") as progress:
+        export(flights[0], out, flights[1] if len(flights) > 1 else None, progress)
 
 
 def summary(flight: Trajectory, out: Path | None = None) -> dict[str, Any]:
@@ -95,7 +111,7 @@ def _event(event: Event) -> dict[str, Any]:
     return {"time_s": event.time_s, "kind": event.kind, **where, "text": event.text}
 
 
-def _show(flight: Trajectory, out: Path | None) -> None:
+def _show(flight: Trajectory) -> None:
     from workbench.scenarios import task_title
     from workbench.terminal import duration, print_table
 
@@ -106,5 +122,3 @@ def _show(flight: Trajectory, out: Path | None) -> None:
     print_table(("time [s]", "event", "distance [m]"), rows, title=title)
     outcome = flight.outcome.name.lower().replace("_", " ")
     print(f"\n{outcome}, return {flight.episode_return:.1f}, {duration(flight.duration_s)} min flown")
-    if out is not None:
-        print(f"written to {out}")
