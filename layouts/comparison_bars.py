@@ -78,7 +78,7 @@ def cause_chart(height: int) -> BarChart:
     source = empty(CAUSE_COLUMNS)
     drawn = fig.vbar(
         "x", "width", "top", "bottom", source=source, fill_color="colour", line_color=None, hatch_pattern="hatch",
-        hatch_color="white", hatch_alpha=0.5, hatch_scale=7,
+        hatch_color="white", hatch_alpha=0.5, hatch_scale=9, hatch_weight=1.5,
     )  # fmt: skip
     drawn.nonselection_glyph = None
     tips = [("", "@policy on @task"), ("", "@cause: @count (@share{0.0} %)"), ("", "@note")]
@@ -93,12 +93,12 @@ def _interval_chart(
     fig, source = _sheet(title, y_range, height), empty(COLUMNS)
     drawn = fig.vbar(
         "x", "width", "value", source=source, fill_color="colour", line_color=None, hatch_pattern="hatch",
-        hatch_color="white", hatch_alpha=0.6, hatch_scale=7,
+        hatch_color="white", hatch_alpha=0.5, hatch_scale=9, hatch_weight=1.5,
     )  # fmt: skip
     drawn.nonselection_glyph = None
     fig.segment("x", "low", "x", "high", source=source, line_color=NEUTRAL, line_width=2.5)
     fig.text(
-        "x", "high", "words", source=source, text_color=NEUTRAL, text_font_size="11px", text_align="center",
+        "x", "high", "words", source=source, text_color=NEUTRAL, text_font_size="10px", text_align="center",
         text_baseline="bottom", y_offset=-3,
     )  # fmt: skip
     tips = [
@@ -123,7 +123,7 @@ def bar_columns(tasks: Sequence[str], bars: Sequence[Bar]) -> dict[str, list]:
         if bar.value is None:
             continue
         low, high = (bar.value if bound is None else bound for bound in (bar.low, bar.high))
-        words = f"{bar.value:.1f}" if len(bars) <= NARROW else ""
+        words = f"{bar.value:.3g}" if len(bars) <= NARROW else ""
         hatch = "right_diagonal_line" if bar.elsewhere else " "
         rows.append((bar.task, bar.policy, x, width, bar.value, low, high, bar.colour, hatch, words, bar.note))
     return {name: [row[i] for row in rows] for i, name in enumerate(COLUMNS)}

@@ -12,7 +12,6 @@ from matplotlib.colors import to_hex
 
 from layouts.chart import add_csv, empty, plain
 from layouts.envelope import SURVIVAL, Values, edges
-from layouts.theme import NEUTRAL
 
 COLUMNS = (
     "launch_range_km", "aspect_deg", "survived", "closest_m", "inner", "outer", "start", "end", "colour", "words",
@@ -65,18 +64,22 @@ class SurvivalChart:
             axis.update(start=-1.06 * outmost, end=1.06 * outmost)
         rings = np.arange(RING_KM, outmost, RING_KM)
         self.rings.data = {"radius": rings, "label": [f"{ring:g} km" for ring in rings], "x": rings * 0, "y": -rings}
-        self.figure.update(title=Title(text=title, text_color=NEUTRAL), tags=[address])
+        self._name(title, [address])
 
     def clear(self, title: str) -> None:
         """Show nothing, and why."""
         self.source.data, self.rings.data = dict(empty(COLUMNS).data), dict(empty(RING_COLUMNS).data)
-        self.figure.update(title=Title(text=title, text_color=NEUTRAL), tags=[])
+        self._name(title, [])
+
+    def _name(self, title: str, tags: list[str]) -> None:
+        assert isinstance(self.figure.title, Title)
+        self.figure.title.text, self.figure.tags = title, tags
 
 
-def survival_chart(name: str, height: int) -> SurvivalChart:
-    """An empty map."""
+def survival_chart(name: str, size: int) -> SurvivalChart:
+    """An empty map, so many pixels wide and high; its CSV is called `survival-` and the name."""
     fig = figure(
-        title=" ", height=height, sizing_mode="stretch_width", match_aspect=True, x_range=Range1d(-1, 1),
+        title=" ", frame_width=size, frame_height=size, sizing_mode="fixed", x_range=Range1d(-1, 1),
         y_range=Range1d(-1, 1), tools="save", active_drag=None,
     )  # fmt: skip
     plain(fig)
@@ -90,7 +93,7 @@ def survival_chart(name: str, height: int) -> SurvivalChart:
     fig.circle(0.0, 0.0, radius="radius", source=rings, fill_alpha=0.0, line_color="white", line_alpha=0.55)
     fig.text(
         "x", "y", "label", source=rings, text_color="white", text_font_size="11px", text_align="center",
-        text_baseline="top", text_outline_color="black",
+        text_baseline="top",
     )  # fmt: skip
     fig.scatter(0.0, 0.0, marker="triangle", size=13, color="white", line_color="black")
     fig.add_tools(HoverTool(renderers=[cells], tooltips=[("", "@words")], visible=False))

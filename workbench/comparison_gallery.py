@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.evaluation import EpisodeResults, Evaluation
-from agents.task import BoolArray
+from agents.task import BoolArray, FloatArray
 from sim.world import Outcome
 from workbench.comparison_pairs import episodes_won_alone
 
@@ -29,7 +29,7 @@ class Strip:
 
 
 def strips(evaluation: Evaluation, other: Evaluation | None = None, other_name: str = "") -> list[Strip]:
-    """Kinds of engagements that occurred, the most telling ones of each first.
+    """Kinds of engagements that occurred: the closest of the closest calls, of every other kind the first.
 
     Args:
         evaluation: of the policy that is looked at.
@@ -39,7 +39,8 @@ def strips(evaluation: Evaluation, other: Evaluation | None = None, other_name: 
     results = evaluation.results
     assert results is not None, "a gallery needs every engagement"
     met = np.isfinite(results.closest_m)
-    found = [_strip(results, "closest", "Closest calls among the won", results.success & met)]
+    calls = _strip(results, "closest", "Closest calls among the won", results.success & met, results.closest_m)
+    found = [calls]
     if other is not None:
         alone, lost = episodes_won_alone(evaluation, other), episodes_won_alone(other, evaluation)
         found.append(_strip(results, "won_alone", f"Won where {other_name} lost", np.isin(results.episode, alone)))
@@ -54,8 +55,10 @@ def strips(evaluation: Evaluation, other: Evaluation | None = None, other_name: 
     return [strip for strip in found if strip.count]
 
 
-def _strip(results: EpisodeResults, kind: str, title: str, members: BoolArray) -> Strip:
-    """The nearest misses first; where nothing came near, by number."""
-    order = np.lexsort((results.episode, np.where(members, results.closest_m, np.inf)))
+def _strip(
+    results: EpisodeResults, kind: str, title: str, members: BoolArray, order_by: FloatArray | None = None
+) -> Strip:
+    """The smallest values first; without any, the first by number: a fair sample."""
+    order = np.arange(len(members)) if order_by is None else np.argsort(order_by, kind="stable")
     chosen = [int(results.episode[i]) for i in order if members[i]][:SHOWN]
     return Strip(kind, title, int(members.sum()), tuple(chosen))

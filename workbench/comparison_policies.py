@@ -94,9 +94,6 @@ def _note(policy: Policy, task: Task) -> str:
     card = getattr(policy, "card", None)
     if elsewhere or card is None or card.missiles == task.missiles:
         return elsewhere
-    missing = sorted(set(card.missiles) - set(task.missiles))
-    words = ", ".join(map(str, missing))
     return (
-        f"policy '{policy.name}' was trained for {card.task}; on {task.name} it sees missile"
-        f"{'s' * (len(missing) > 1)} {words} as never detected"
+        f"policy '{policy.name}' was trained for {card.task}; elsewhere it sees the masked missiles as never detected"
     )
