@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 from bokeh.models import (
     ColumnDataSource,
-    CustomAction,
     CustomJS,
     GlyphRenderer,
     HoverTool,
@@ -22,6 +20,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
+from layouts.figure_downloads import add_downloads
 from layouts.theme import NEUTRAL, ink_dash
 from sim.trajectory import Trajectory
 
@@ -40,25 +39,6 @@ OVER_TIME_TAG = "over-time"
 
 CLOCK_EVENT = "flight-clock"
 """Browser event that a click or a drag on a curve sends; its detail is the time [s]."""
-
-_CSV_SHAPE = (
-    b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 24 24'><path fill='none' stroke='#7d8794' "
-    b"stroke-width='1.7' d='M6 3h8l4 4v14H6z M14 3v5h4 M9 12h6 M9 15h6 M9 18h6'/></svg>"
-)
-_CSV_ICON = "data:image/svg+xml;base64," + base64.b64encode(_CSV_SHAPE).decode()
-
-_CSV_CODE = """
-const names = sources.flatMap((s) => Object.keys(s.data));
-const rows = Math.max(...sources.map((s) => s.get_length() ?? 0));
-const quoted = (v) => /[",\\n]/.test(v) ? `"${v.replaceAll('"', '""')}"` : v;
-const cell = (v) => v === undefined || v === null || Number.isNaN(v) ? "" : quoted(String(v));
-const lines = [names.map(cell).join(",")];
-for (let i = 0; i < rows; i++)
-  lines.push(sources.flatMap((s) => Object.values(s.data).map((c) => cell(c[i]))).join(","));
-const link = document.createElement("a");
-link.href = URL.createObjectURL(new Blob([lines.join("\\n") + "\\n"], {type: "text/csv"}));
-link.download = name + ".csv"; link.click(); setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-"""
 
 _CLOCK_CODE = "window.dispatchEvent(new CustomEvent(event, {detail: cb_obj.x}))"
 _DRAG_CODE = f"if (!fig.toolbar.gestures.pan?.active && !fig.toolbar.gestures.multi?.active) {{ {_CLOCK_CODE} }}"
@@ -130,9 +110,8 @@ def empty(columns: Sequence[str]) -> ColumnDataSource:
 
 
 def add_csv(fig: figure, name: str, *sources: ColumnDataSource) -> None:
-    """Add a toolbar button that saves the sources, side by side, as `name`.csv; made in the browser."""
-    code = CustomJS(args={"sources": list(sources), "name": name}, code=_CSV_CODE)
-    fig.add_tools(CustomAction(icon=_CSV_ICON, description="Download CSV", callback=code))
+    """Add toolbar buttons that save the figure as `name`.png and .svg, and the sources, side by side, as .csv."""
+    add_downloads(fig, name, *sources)
 
 
 def add_lines(

@@ -39,7 +39,8 @@ def _family_with(missing: frozenset[str]) -> list[str]:
     if not missing:
         return []
     for font in sorted(fontManager.ttflist, key=lambda font: (font.name, str(font.fname))):
-        if font.style == "normal" and missing <= _characters(font.fname):
+        # The font of last resort has a box for everything: what this module is there to avoid.
+        if font.style == "normal" and not font.name.startswith("Last Resort") and missing <= _characters(font.fname):
             return [font.name]
     return []
 
