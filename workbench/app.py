@@ -15,8 +15,16 @@ from panel.io.resources import LOCAL_DIST
 from layouts import theme
 from sim.errors import SubMasError
 from workbench.context import AppContext
+from workbench.tour import tour
 
-PAGES = {"fly": "Fly", "curriculum": "Curriculum", "live": "Live", "runs": "Runs"}
+PAGES = {
+    "fly": "Fly",
+    "curriculum": "Curriculum",
+    "live": "Live",
+    "runs": "Runs",
+    "compare": "Compare",
+    "paper": "Paper",
+}
 """Address and title of each page, in the order of the navigation; the first one is where `/` leads."""
 TITLE = "SubMas workbench"
 
@@ -44,7 +52,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         title=TITLE,
         meta_title=f"{PAGES[name]} · {TITLE}",
         site_url=f"/{next(iter(PAGES))}",
-        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"})],
+        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES)],
         dark_theme=not light,
         theme_config={"dark": _palette(theme.DARK), "light": _palette(theme.LIGHT)},
         sx={"& > .header": {"backgroundColor": _css(theme.DARK.field), "backgroundImage": "none"}},
