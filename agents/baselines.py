@@ -11,6 +11,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from agents.arrays import below, joined
 from agents.baselines_learner import LEARNERS, BaselineLearner
 from agents.baselines_world import TaskVecEnv
 from agents.card import card_of
@@ -20,6 +21,8 @@ from agents.metrics import epoch_row
 from agents.policy import NetworkPolicy
 from agents.promotion import examine, is_better, policy_name
 from agents.recorder import Recorder
+from agents.resume import common_arrays, common_values, restore_common, with_reason
+from agents.snapshot import Snapshot
 from agents.stage import Stage
 from agents.training_state import EpochCounts, FinishedEpisode, TrainingState
 
@@ -29,6 +32,7 @@ class BaselineState:
     """What changes in training. Its names are those of `TrainingState`, so that the same functions report on it."""
 
     learner: BaselineLearner
+    env: TaskVecEnv
     finished: deque[FinishedEpisode]
     """Latest training episodes."""
     epoch: int = 0
@@ -51,16 +55,23 @@ class BaselineState:
         return cast("TrainingState", self)
 
 
-def learn_baseline(stage: Stage, recorder: Recorder) -> NetworkPolicy:
-    """Train SAC or PPO on the stage's task, without its guide; the best policy by held-out evaluation."""
+def learn_baseline(stage: Stage, recorder: Recorder, snapshot: Snapshot | None = None) -> NetworkPolicy:
+    """Train SAC or PPO on the stage's task, without its guide; the best policy by held-out evaluation.
+
+    With a `snapshot` of this stage it goes on from there.
+    """
     state = start_baseline(stage)
-    words = f"{stage.task.name} from scratch by {stage.variant.algorithm.upper()} of Stable-Baselines3"
-    recorder.event("stage_started", words, task=stage.task.name)
-    reason = ""
+    if snapshot:
+        resume_baseline(stage, state, snapshot)
+    else:
+        words = f"{stage.task.name} from scratch by {stage.variant.algorithm.upper()} of Stable-Baselines3"
+        recorder.event("stage_started", words, task=stage.task.name)
+    reason = end_reason(stage, state.reported, recorder) if snapshot else ""
     while not reason:
         run_epoch(stage, state)
         evaluation = evaluate_epoch(stage, state, recorder)
         recorder.epoch(baseline_row(stage, state, evaluation))
+        recorder.checkpoint(lambda: take_baseline(stage, state))
         reason = end_reason(stage, state.reported, recorder)
     if state.best is None:
         keep_best(stage, state, recorder)
@@ -73,7 +84,43 @@ def start_baseline(stage: Stage) -> BaselineState:
     env = TaskVecEnv(stage.domain, stage.task, hyper.lanes, stage.seed, hyper.reward_scale)
     make = LEARNERS[stage.variant.algorithm]
     learner = make(env, hyper, stage.seed, literal=stage.config.profile == "paper")
-    return BaselineState(learner, env.finished)
+    return BaselineState(learner, env, env.finished)
+
+
+def take_baseline(stage: Stage, state: BaselineState) -> Snapshot:
+    """The training as it stands after an epoch; the replay is not copied."""
+    env, learner = state.env, state.learner
+    parts = {"learner": learner.arrays(), "world": env.world.state(), "env": {"lane_return": env.lane_return.copy()}}
+    values = {
+        "next_episode": env.world.next_episode,
+        "action_generator": learner.action_generator.bit_generator.state,
+    }
+    return Snapshot(
+        stage.index,
+        common_values(stage, state.reported) | values,
+        common_arrays(stage, state.reported) | joined(parts),
+        learner.slots,
+    )
+
+
+def resume_baseline(stage: Stage, state: BaselineState, snapshot: Snapshot) -> None:
+    """Put a fresh state where `take_baseline` took the snapshot.
+
+    Raises:
+        SnapshotError: it was taken of another training or by another version.
+    """
+    with_reason(stage, snapshot, lambda: _restore(stage, state, snapshot))
+
+
+def _restore(stage: Stage, state: BaselineState, snapshot: Snapshot) -> None:
+    env, values, arrays = state.env, snapshot.values, snapshot.arrays
+    restore_common(stage, state.reported, snapshot)
+    env.world.restore(below("world", arrays))
+    env.world.next_episode = values["next_episode"]
+    env.lane_return[:] = below("env", arrays)["lane_return"]
+    state.learner.action_generator.bit_generator.state = values["action_generator"]
+    # Last, for it puts back the generators from which everything before might have drawn.
+    state.learner.restore(below("learner", arrays), snapshot.slots)
 
 
 def run_epoch(stage: Stage, state: BaselineState) -> None:

@@ -14,13 +14,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
+import numpy as np
 import torch
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.logger import Logger
 from torch import nn
 
+from agents.arrays import Arrays
+from agents.baselines_state import BufferSlots, model_arrays, restore_model
 from agents.baselines_world import TaskVecEnv
 from agents.hyperparameters import Hyperparameters
+from agents.replay import StoredSlots
 from agents.task import FloatArray
 
 Layers = list[tuple[FloatArray, FloatArray]]
@@ -92,6 +96,31 @@ class BaselineLearner:
         """Copies of the deterministic policy's weights `[out, in]` and biases `[out]`, first layer to last."""
         raise NotImplementedError
 
+    def arrays(self) -> Arrays:
+        """Copies of everything that changes while learning, but for the replay; see `restore`."""
+        return model_arrays(self._model) | {"updates": np.array(self.updates)}
+
+    def restore(self, arrays: Arrays, slots: StoredSlots | None) -> None:
+        """Go on from where `arrays` and `slots` were taken of a learner of the same sizes.
+
+        Raises:
+            KeyError, RuntimeError, ValueError: they are not those of such a learner.
+        """
+        restore_model(self._model, arrays)
+        self.updates = int(arrays["updates"])
+        if self.slots is not None and slots is not None:
+            self.slots.restore(slots)
+
+    @property
+    def slots(self) -> BufferSlots | None:
+        """The experience that is kept, by time slot."""
+        return None
+
+    @property
+    def action_generator(self) -> np.random.Generator:
+        """Source of the uniformly random actions at the beginning."""
+        return self._model.action_space.np_random
+
     def _count(self, *_: object) -> None:
         self.updates += 1
 
@@ -127,6 +156,12 @@ class Sac(BaselineLearner):
         )
         super().__init__(model, model.critic.optimizer)
         self.model = model
+
+    @property
+    def slots(self) -> BufferSlots:
+        """The replay; every step of all lanes fills one slot."""
+        assert self.model.replay_buffer is not None
+        return BufferSlots(self.model.replay_buffer, self.model.num_timesteps // self.model.n_envs)
 
     def layers(self) -> Layers:
         """Weights of the mean action before its tanh."""

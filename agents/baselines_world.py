@@ -27,7 +27,8 @@ class TaskVecEnv(VecEnv):
         self.reward_scale = np.float32(reward_scale)
         self.finished: deque[FinishedEpisode] = deque(maxlen=TRAINING_WINDOW)
         """Latest finished episodes; their returns carry no scale."""
-        self._lane_return = np.zeros(lanes, np.float32)
+        self.lane_return = np.zeros(lanes, np.float32)
+        """Return of the running episodes `[L]`, without scale."""
         self._actions = np.zeros((lanes, 1), np.float32)
         self.action_limit = np.float32(domain.action_limit)
         """Actions lie in [-limit, limit] [rad]."""
@@ -38,7 +39,7 @@ class TaskVecEnv(VecEnv):
 
     def reset(self) -> FloatArray:
         """Start every lane anew; features `[L, f]`."""
-        self._lane_return[:] = 0.0
+        self.lane_return[:] = 0.0
         return self.features.encode(self.world.reset())
 
     def step_async(self, actions: FloatArray) -> None:
@@ -51,7 +52,7 @@ class TaskVecEnv(VecEnv):
         features, reward = self.features.encode(step.observation), step.reward
         over = step.terminated | step.truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        self._lane_return += reward
+        self.lane_return += reward
         if over.any():
             for lane in np.flatnonzero(over):
                 cut = bool(step.truncated[lane] and not step.terminated[lane])
@@ -61,9 +62,9 @@ class TaskVecEnv(VecEnv):
 
     def _restart(self, over: BoolArray) -> FloatArray:
         outcomes, steps = self.world.outcome[over], self.world.steps[over]
-        for outcome, episode_return, length in zip(outcomes, self._lane_return[over], steps, strict=True):
+        for outcome, episode_return, length in zip(outcomes, self.lane_return[over], steps, strict=True):
             self.finished.append(FinishedEpisode(bool(outcome == GOAL_REACHED), float(episode_return), int(length)))
-        self._lane_return[over] = 0.0
+        self.lane_return[over] = 0.0
         return self.features.encode(self.world.reset(lanes=np.flatnonzero(over)))
 
     def close(self) -> None:

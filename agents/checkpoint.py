@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 import struct
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +17,7 @@ import numpy as np
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
+from agents.disk import replace_file
 from agents.features import ObservationFeatures
 from agents.policy import ACTIVATIONS, SQUASHES, NetworkPolicy
 from agents.task import Domain, FloatArray
@@ -200,24 +199,8 @@ def _layers(path: Path, tensors: dict[str, Any], widths: list[int]) -> list[tupl
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Put `content` at `path` in one step that survives a crash: temporary file, fsync, replace, fsync folder."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+    replace_file(path, content)
 
 
 def _evasion() -> Domain:

@@ -64,11 +64,11 @@ class RandomPolicy:
 
     def __init__(self, seed: int = 0) -> None:
         """Start a sequence of actions of its own."""
-        self._generator = np.random.default_rng(seed)
+        self.generator = np.random.default_rng(seed)
 
     def act(self, observation: FloatArray, layout: Layout) -> FloatArray:
         """Random turning angles `[B, 1]` [rad]."""
-        turn = self._generator.uniform(-MAX_TURN_RAD, MAX_TURN_RAD, (len(observation), 1))
+        turn = self.generator.uniform(-MAX_TURN_RAD, MAX_TURN_RAD, (len(observation), 1))
         return turn.astype(np.float32)
 
 

@@ -11,26 +11,32 @@ from agents.metrics import epoch_row
 from agents.policy import NetworkPolicy
 from agents.promotion import current_policy, examine, is_better, judge, promotion_reason
 from agents.recorder import Recorder
+from agents.resume import resume_stage, take_snapshot
+from agents.snapshot import Snapshot
 from agents.stage import Stage
 from agents.training_state import EpochCounts, TrainingState, start_stage
 from agents.weights import next_alpha, next_epsilon
 
 
-def knowledge_transfer(stage: Stage, recorder: Recorder) -> NetworkPolicy:
+def knowledge_transfer(stage: Stage, recorder: Recorder, snapshot: Snapshot | None = None) -> NetworkPolicy:
     """Train a policy for the stage's task with the help of its guide; the best one by held-out evaluation.
 
-    Algorithm 4, §3.4. The stage ends when it is passed, after its last epoch, or when the recorder says so.
+    Algorithm 4, §3.4. The stage ends when it is passed, after its last epoch, or when the recorder says so. With a
+    `snapshot` of this stage it goes on from there, bit for bit as if it had never been interrupted.
     """
-    state = start_stage(stage)
+    state = resume_stage(stage, snapshot) if snapshot else start_stage(stage)
     collector = Collector(stage)
-    recorder.event("stage_started", f"{stage.task.name} guided by {stage.guide.name}", task=stage.task.name)
-    reason = ""
+    if not snapshot:
+        recorder.event("stage_started", f"{stage.task.name} guided by {stage.guide.name}", task=stage.task.name)
+    # A snapshot is taken before it is asked whether the stage is over.
+    reason = end_reason(stage, state, recorder) if snapshot else ""
     while not reason:
         run_epoch(stage, state, collector)
         evaluation = evaluate_epoch(stage, state, recorder)
         # The row shows the weights the epoch was run with; Algorithm 4 moves them at its end.
         recorder.epoch(epoch_row(stage, state, evaluation))
         update_weights(stage, state)
+        recorder.checkpoint(lambda: take_snapshot(stage, state))
         reason = end_reason(stage, state, recorder)
     return finish_stage(stage, state, recorder, reason)
 

@@ -13,15 +13,29 @@ WORTHWHILE: Final = 1.3
 """Least speed-up for which the route is changed. Where it helps it is nearly twofold, elsewhere a few percent: a
 busy machine must not decide by chance, because runs of one seed are equal only on one route."""
 
+_PRECISIONS: Final = {"onednn": "bf16", "default": "none"}
+"""Setting of torch behind each route."""
 
-def prepare_torch(threads: int = 1) -> str:
-    """Set up this process for training and return the chosen route of float32 matrix products.
 
-    One thread per process: a product of 256 × 256 is too small to share, and several seeds are better apart.
+def prepare_torch(threads: int = 1, route: str = "") -> str:
+    """Set up this process for training and return the route of float32 matrix products, chosen unless it is given.
+
+    One thread per process: a product of 256 × 256 is too small to share, and several seeds are better apart. A
+    training that is resumed has to take the route it began with, or its bits would differ.
     """
     torch.set_num_threads(threads)
     torch.set_flush_denormal(True)
-    return choose_matmul_route()
+    if route not in _PRECISIONS:
+        return choose_matmul_route()
+    matmul: Any = torch.backends.mkldnn.matmul  # type: ignore[attr-defined]
+    matmul.fp32_precision = _PRECISIONS[route]
+    return route
+
+
+def matmul_route() -> str:
+    """The route of float32 matrix products that is taken now."""
+    matmul: Any = torch.backends.mkldnn.matmul  # type: ignore[attr-defined]
+    return "onednn" if matmul.fp32_precision == _PRECISIONS["onednn"] else "default"
 
 
 def choose_matmul_route() -> str:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol
 
 from agents.checkpoint import PolicyCard
 from agents.policy import NetworkPolicy
+
+if TYPE_CHECKING:
+    from agents.snapshot import Snapshot
 
 
 class Recorder(Protocol):
@@ -21,6 +25,13 @@ class Recorder(Protocol):
 
     def policy(self, policy: NetworkPolicy, card: PolicyCard) -> None:
         """A better policy of the current stage; once more at its end, with `card.final`."""
+        ...
+
+    def checkpoint(self, take: Callable[[], Snapshot]) -> None:
+        """Offered after every epoch: a snapshot that training can be resumed from. It must be used up within the call.
+
+        What is raised here ends the training at once; it can be resumed later.
+        """
         ...
 
     def should_stop(self) -> bool:
@@ -39,6 +50,9 @@ class NoRecorder:
 
     def policy(self, policy: NetworkPolicy, card: PolicyCard) -> None:
         """Forget the policy."""
+
+    def checkpoint(self, take: Callable[[], Snapshot]) -> None:
+        """Take none."""
 
     def should_stop(self) -> bool:
         """Never stop."""

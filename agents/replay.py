@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -32,6 +32,19 @@ class Batch(NamedTuple):
     """Encoded true observations s' `[K, f]` after the last of the steps."""
 
 
+class StoredSlots(Protocol):
+    """Transitions by time slot: a replay, or what was kept of one."""
+
+    @property
+    def added(self) -> int:
+        """Time slots stored so far."""
+        ...
+
+    def blocks(self, first: int) -> Iterator[tuple[int, FloatArray]]:
+        """Blocks of consecutive slots from number `first` on, oldest first: number of the first slot, rows."""
+        ...
+
+
 class Replay:
     """The last transitions of all lanes, in a ring of time slots with one row per lane."""
 
@@ -39,6 +52,8 @@ class Replay:
         """Allocate room for `capacity` transitions (whole time slots) with `features` network inputs."""
         self.lanes, self.features = lanes, features
         self.slots = max(capacity // lanes, 1)
+        self.added = 0
+        """Time slots stored so far, also those that have made room."""
         self.filled = 0
         self.next_slot = 0
         self.rows = torch.empty((self.slots * lanes, 2 * features + SCALARS), dtype=torch.float32)
@@ -66,8 +81,44 @@ class Replay:
         block = np.concatenate((features, scalars, next_features), axis=1, dtype=np.float32)
         first = self.next_slot * self.lanes
         self.rows[first : first + self.lanes] = torch.from_numpy(block)
-        self.next_slot = (self.next_slot + 1) % self.slots
-        self.filled = min(self.filled + 1, self.slots)
+        self._count(self.added + 1)
+
+    def _count(self, added: int) -> None:
+        self.added = added
+        self.next_slot = added % self.slots
+        self.filled = min(added, self.slots)
+
+    def blocks(self, first: int) -> Iterator[tuple[int, FloatArray]]:
+        """Stored transitions from time slot number `first` on, oldest first: slot numbers, rows `[slots · L, 2 f + 5]`.
+
+        Slots that have made room are left out. The rows are views: copy or write them before the next `add`.
+        """
+        first = max(first, self.added - self.slots)
+        while first < self.added:
+            row = first % self.slots
+            count = min(self.added - first, self.slots - row)
+            yield first, self.rows[row * self.lanes : (row + count) * self.lanes].numpy()
+            first += count
+
+    def restore(self, stored: StoredSlots) -> None:
+        """Take over what `blocks` of another replay gave; every transition lies where it lay there.
+
+        Raises:
+            ValueError: transitions of another size, or some are missing.
+        """
+        wanted = max(stored.added - self.slots, 0)
+        for first, rows in stored.blocks(wanted):
+            if first > wanted or len(rows) % self.lanes or rows.shape[1] != self.rows.shape[1]:
+                raise ValueError(f"transitions {list(rows.shape)} from slot {first} on do not fit or leave a gap")
+            self._put(first, torch.from_numpy(rows))
+            wanted = max(wanted, first + len(rows) // self.lanes)
+        if wanted != stored.added:
+            raise ValueError(f"transitions end at slot {wanted} of {stored.added}")
+        self._count(stored.added)
+
+    def _put(self, first: int, rows: Tensor) -> None:
+        numbers = torch.arange(first, first + len(rows) // self.lanes) % self.slots
+        self.rows.view(self.slots, self.lanes, -1)[numbers] = rows.view(len(numbers), self.lanes, -1)
 
     def minibatches(
         self, count: int, batch_size: int, steps: int, gamma: float, generator: torch.Generator

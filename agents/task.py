@@ -109,6 +109,9 @@ class TaskWorld(Protocol):
         """Number of lanes L."""
         ...
 
+    next_episode: int
+    """Number of the next episode that `reset` starts when it is given none."""
+
     @property
     def outcome(self) -> Any:
         """`RUNNING`, `GOAL_REACHED` or a domain's way to fail [L]."""
@@ -135,6 +138,14 @@ class TaskWorld(Protocol):
 
     def step(self, _actions: Any, /) -> Any:
         """Advance every lane by one decision step; a `TaskStep`."""
+        ...
+
+    def state(self) -> Any:
+        """Everything that changes during episodes, arrays by name; with `next_episode` all there is to `restore`."""
+        ...
+
+    def restore(self, _state: Any, /) -> Any:
+        """Go on from a `state` of a world of the same task, lanes and seed; observations of all lanes [L, d]."""
         ...
 
 

@@ -10,14 +10,28 @@ import copy
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
+from agents.arrays import Arrays, below, joined
 from agents.distillation import distilled_reward
 from agents.hyperparameters import Hyperparameters
 from agents.networks import Actor, TwinCritic
 from agents.replay import Batch
+from agents.torch_state import (
+    array_of,
+    generator_array,
+    load_generator,
+    load_module,
+    load_optimizer,
+    module_arrays,
+    optimizer_arrays,
+    tensor_of,
+)
 
+NETWORKS = ("actor", "critics", "target_actor", "target_critics", "average_actor")
+OPTIMIZERS = ("actor_optimizer", "critic_optimizer")
 Network = TypeVar("Network", bound=nn.Module)
 
 
@@ -139,6 +153,27 @@ class Td3:
         self._counts = [0, 0]
         scale = self.hyper.reward_scale
         return LearnerStatistics(critic / critics, actor / actors, q / critics / scale)
+
+    def arrays(self) -> Arrays:
+        """Copies of everything that changes while learning; see `restore`."""
+        networks = {name: module_arrays(getattr(self, name)) for name in NETWORKS}
+        optimizers = {name: optimizer_arrays(getattr(self, name)) for name in OPTIMIZERS}
+        counters = {"updates": np.array(self.updates), "counts": np.array(self._counts), "sums": array_of(self._sums)}
+        return joined(networks | optimizers) | counters | {"generator": generator_array(self.generator)}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Go on, bit for bit, from where `arrays` was taken of a learner of the same sizes.
+
+        Raises:
+            KeyError, RuntimeError, ValueError: the arrays are not those of such a learner.
+        """
+        for name in NETWORKS:
+            load_module(getattr(self, name), below(name, arrays))
+        for name in OPTIMIZERS:
+            load_optimizer(getattr(self, name), below(name, arrays))
+        load_generator(self.generator, arrays["generator"])
+        self.updates, self._counts = int(arrays["updates"]), arrays["counts"].tolist()
+        self._sums = tensor_of(arrays["sums"])
 
 
 def _frozen_copy(module: Network) -> Network:

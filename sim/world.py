@@ -89,7 +89,8 @@ class World:
         self._groups = -(-lanes // WIDTH)
         self.threads = max(1, min(threads, self._groups)) if device == "cpu" else 1
         self._pool = ThreadPoolExecutor(self.threads) if self.threads > 1 else None
-        self._next_episode = 0
+        self.next_episode = 0
+        """Number of the next episode that `reset` starts of its own accord; to be kept beside `state`."""
         self._views: dict[int, NDArray] = {}
         self._model = kernel_model(task.scenario)
         self._state = kernel_state(task, self._groups, device)
@@ -300,7 +301,7 @@ class World:
         array.assign(np.moveaxis(grouped, 1, -1))
 
     def _number(self, count: int) -> NDArray[np.int64]:
-        first, self._next_episode = self._next_episode, self._next_episode + count
+        first, self.next_episode = self.next_episode, self.next_episode + count
         return np.arange(first, first + count)
 
 

@@ -11,7 +11,22 @@ import tyro
 
 from sim.errors import SubMasError
 
-COMMANDS = ("serve", "fly", "evaluate", "study", "train", "stop", "runs", "calibrate", "reproduce", "stability", "bench", "doctor")
+COMMANDS = (
+    "serve",
+    "fly",
+    "evaluate",
+    "study",
+    "train",
+    "resume",
+    "pause",
+    "stop",
+    "runs",
+    "calibrate",
+    "reproduce",
+    "stability",
+    "bench",
+    "doctor",
+)
 DESCRIPTION = """SubMas-RL workbench: curriculum reinforcement learning with missiles as maskable subtasks.
 
 Without a command it serves the pages and opens the browser. Each command has its own --help."""

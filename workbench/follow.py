@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Sequence
+from typing import Any
 
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
@@ -58,7 +59,10 @@ class _Watch:
         self._runs = runs
         self._rows: dict[str, TaskID] = {}
         self._events = {run.id: LineReader(run.path / "events.jsonl") for run in runs}
+        self._seen: set[str] = set()
         for run in runs:
+            if run.state.resumes:
+                self._new_events(run)
             self._rows[run.id] = self.progress.add_task(_name(run), total=1.0, figures="queued")
 
     def tick(self) -> bool:
@@ -67,13 +71,20 @@ class _Watch:
         drain(self._store)
         states = [run.state for run in self._runs]
         for run, state in zip(self._runs, states, strict=True):
-            for event in self._events[run.id].read_new():
+            for event in self._new_events(run):
                 self.say(f"{_name(run)}: {printable(str(event.get('text', '')))}")
             description = f"{_name(run)} {state.task}".strip()
             self.progress.update(
                 self._rows[run.id], completed=state.progress, description=description, figures=_figures(state)
             )
         return any(state.active for state in states)
+
+    def _new_events(self, run: Run) -> list[dict[str, Any]]:
+        """Events that were not seen before; when a run is resumed its events are cut back and read again."""
+        events = [(f"{run.id} {event.get('time')}", event) for event in self._events[run.id].read_new()]
+        new = [event for stamp, event in events if stamp not in self._seen]
+        self._seen.update(stamp for stamp, _ in events)
+        return new
 
     def say(self, text: str) -> None:
         """A line above the rows."""

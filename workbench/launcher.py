@@ -15,12 +15,14 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.errors import SubMasError
 from workbench.run_files import RunFileError, waiting_lock
 from workbench.run_folder import now
+from workbench.run_state import PATIENCE_S
 from workbench.runs import LAUNCHER_LOCK, Run, RunBusyError, RunsFolderError, RunStore
 
 if TYPE_CHECKING:
@@ -65,6 +67,26 @@ def launch(store: RunStore, config: TrainingConfig) -> Run:
     return run
 
 
+def resume(store: RunStore, run: Run) -> Run:
+    """Let a run go on from its last checkpoint, or from the start if it has none, now or when a core is free.
+
+    However many ask at once, it is started once; the others are told so.
+
+    Raises:
+        RunBusyError: it is finished, waits already, or is alive.
+        RunFileError: its folder is damaged or cannot be written.
+    """
+    if run.problem:
+        raise RunFileError(f"run {run.id} cannot be resumed: {run.problem}")
+    try:
+        with waiting_lock(store.root / LAUNCHER_LOCK):
+            run.requeue()
+    except OSError as error:
+        raise RunsFolderError(f"runs folder {store.root} cannot be written: {error.strerror}") from error
+    drain(store)
+    return run
+
+
 def drain(store: RunStore, limit: int | None = None) -> list[Run]:
     """Start queued runs, oldest first, while fewer than `limit` (default: the number of cores) are alive.
 
@@ -78,10 +100,11 @@ def drain(store: RunStore, limit: int | None = None) -> list[Run]:
     try:
         with waiting_lock(store.root / LAUNCHER_LOCK):
             runs = _good_runs(store)
-            free = limit - sum(run.state.state == "running" for run in runs)
+            states = {run.id: run.state for run in runs}
+            free = limit - sum(states[run.id].active and states[run.id].state != "queued" for run in runs)
             queue = sorted(
-                (run for run in runs if run.state.state == "queued"),
-                key=lambda run: (run.state.created, run.id),
+                (run for run in runs if states[run.id].state == "queued"),
+                key=lambda run: (states[run.id].created, run.id),
             )
             for run in queue:
                 if len(started) < free and _start(run):
@@ -113,7 +136,8 @@ def _start(run: Run) -> bool:
     try:
         if run.state.state != "queued":
             return False
-        starting = dataclasses.replace(run.state, state="running", started=now(), updated=now())
+        alive = {"state": "running", "started": now(), "updated": now(), "beat_s": time.monotonic()}
+        starting = dataclasses.replace(run.state, **alive, patience_s=PATIENCE_S, error="")
         run.write_state(starting)
         try:
             _children.append(_spawn(run, lock))
@@ -154,11 +178,12 @@ def environment() -> dict[str, str]:
 def stop_now(run: Run) -> None:
     """End a run at once, in the middle of an epoch; its best policy so far stays.
 
-    A run that was asked to stop takes SIGTERM as the second ask (`workbench.training`).
+    A run that was asked to stop takes SIGTERM as the second ask (`workbench.training`). One that is stalled may hear
+    no ask at all; it is killed and then counts as interrupted.
     """
     with contextlib.suppress(RunBusyError):
         run.request_stop()
     state = run.state
     if state.pid and run.is_alive():
         with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.kill(state.pid, signal.SIGTERM)
+            os.kill(state.pid, signal.SIGKILL if state.state == "stalled" else signal.SIGTERM)

@@ -6,10 +6,14 @@ import dataclasses
 import math
 import time
 from collections.abc import Callable, Mapping
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from agents.disk import sweep
 from sim.errors import SubMasError
-from workbench.run_files import append_line
+from workbench.checkpoints import Checkpoint, Checkpoints
+from workbench.pulse import Pulse
+from workbench.run_files import append_line, cut_back, signature
 from workbench.run_folder import now
 from workbench.run_state import RunState
 from workbench.runs import Run
@@ -17,9 +21,14 @@ from workbench.runs import Run
 if TYPE_CHECKING:
     from agents.checkpoint import PolicyCard
     from agents.policy import NetworkPolicy
+    from agents.snapshot import Snapshot
 
 WATCHED = ("critic_loss", "actor_loss", "q_mean", "return_mean")
 """Figures whose first non-finite value means that learning has diverged."""
+
+
+LINES = ("metrics.jsonl", "events.jsonl")
+NOTHING_YET: Mapping[str, Any] = {"state": RunState("queued").to_json(), **dict.fromkeys(LINES, 0)}
 
 
 class DivergedError(SubMasError):
@@ -30,10 +39,14 @@ class AskedToStop(Exception):
     """A stage was about to begin although the training was asked to stop."""
 
 
-class RunRecorder:
-    """Writes epochs, events and policies of one training; asked at every epoch end whether to stop.
+class AskedToPause(Exception):
+    """The training was asked to pause, and all that it goes on from is saved."""
 
-    `interrupted` says whether the process was signalled; the run's stop file is looked at here.
+
+class RunRecorder:
+    """Writes epochs, events, policies and checkpoints of one training; asked at every epoch end whether to stop.
+
+    `interrupted` says whether the process was signalled; the run's stop and pause files are looked at here.
     """
 
     def __init__(self, run: Run, state: RunState, interrupted: Callable[[], bool] = lambda: False) -> None:
@@ -41,7 +54,32 @@ class RunRecorder:
         self.state = state
         self.stopped = False
         self._interrupted = interrupted
+        self._checkpoints = Checkpoints(run.path / "checkpoints", run.id)
+        self._pulse = Pulse(time.monotonic())
         self._began_s = time.monotonic() - state.wall_s
+
+    def resume(self) -> Snapshot | None:
+        """Where to go on: metrics and events are cut back to there. None starts from the beginning.
+
+        Raises:
+            CheckpointError: there are checkpoints, and none is whole.
+            RunFileError: the run's files cannot be brought back to it.
+        """
+        for folder in ("", "policies", "checkpoints"):
+            sweep(self.run.path / folder)
+        found = self._checkpoints.latest()
+        facts = found.facts if found else NOTHING_YET
+        for name in LINES:
+            cut_back(self.run.path / name, int(facts[name]))
+        self._go_on_from(facts["state"])
+        if found:
+            self.event("resumed", _resumed(found, self.state), checkpoint=found.number)
+        return found.snapshot if found else None
+
+    def _go_on_from(self, before: Mapping[str, Any]) -> None:
+        kept = {name: before[name] for name in ("stage", "stages", "task", "progress", "best_success_rate", "wall_s")}
+        self.state = dataclasses.replace(self.state, **kept)
+        self._began_s = time.monotonic() - self.state.wall_s
 
     def epoch(self, row: Mapping[str, Any]) -> None:
         """Append one row of metrics and bring `state.json` up to date.
@@ -74,6 +112,7 @@ class RunRecorder:
             raise AskedToStop
         stamp = {"time": now(), "wall_s": round(self._wall_s(), 3)}
         append_line(self.run.path / "events.jsonl", {**stamp, "kind": kind, "text": text, **fields})
+        self._write()
 
     def policy(self, policy: NetworkPolicy, card: PolicyCard) -> None:
         """Save a stage's best policy under its task's name and as the policy of the run."""
@@ -81,6 +120,26 @@ class RunRecorder:
 
         save_policy(self.run.path / "policies" / f"{card.task}.safetensors", policy, card)
         save_policy(self.run.path / "policy.safetensors", policy, card)
+
+    def checkpoint(self, take: Callable[[], Snapshot]) -> None:
+        """Save what the training can be resumed from, if it is worth the time or is needed now.
+
+        Raises:
+            AskedToPause: somebody asked the training to pause; it is saved.
+            DivergedError: a network's weight is not finite.
+            RunFileError: it could not be saved. Training on without would be a promise broken in silence.
+        """
+        pausing = not self.should_stop() and self.run.pause_requested()
+        if not (pausing or self.stopped or self._pulse.worth_saving(time.monotonic())):
+            return
+        began_s = time.monotonic()
+        snapshot = take()
+        _refuse_divergence(snapshot, self.state)
+        sizes = {name: signature(self.run.path / name)[1] for name in LINES}
+        self._checkpoints.save(snapshot, {"state": self.state.to_json(), "versions": versions(), **sizes})
+        self._pulse.saved(time.monotonic() - began_s)
+        if pausing:
+            raise AskedToPause
 
     def should_stop(self) -> bool:
         """Whether the training is to end now; true once, true for ever."""
@@ -92,6 +151,8 @@ class RunRecorder:
         self.event(state, error or f"training {state}")
         progress = 1.0 if state == "finished" else self.state.progress
         self._write(state=state, error=error, eta_s=None, progress=progress)
+        if state == "finished":
+            self._checkpoints.clear()
 
     def _best(self, stage: int, success_rate: float | None) -> float | None:
         previous = self.state.best_success_rate if stage == self.state.stage else None
@@ -102,8 +163,33 @@ class RunRecorder:
         return time.monotonic() - self._began_s
 
     def _write(self, **changes: Any) -> None:
-        self.state = dataclasses.replace(self.state, **changes, updated=now(), wall_s=round(self._wall_s(), 3))
+        beat_s = time.monotonic()
+        signs = {"beat_s": beat_s, "patience_s": self._pulse.beat(beat_s), "updated": now()}
+        self.state = dataclasses.replace(self.state, **changes, **signs, wall_s=round(self._wall_s(), 3))
         self.run.write_state(self.state)
+
+
+def versions() -> dict[str, str]:
+    """Libraries whose version may change the bits of a training."""
+    return {name: version(name) for name in ("numpy", "torch", "warp-lang")}
+
+
+def _resumed(found: Checkpoint, state: RunState) -> str:
+    """What the event says: where it goes on, what could not be used, and whether its bits may differ."""
+    sentences = [f"resumed at checkpoint {found.number}, {state.progress:.0%} done", *found.refused]
+    before = found.facts["versions"]
+    changed = [f"{name} {before.get(name)} is now {now}" for name, now in versions().items() if before.get(name) != now]
+    if changed:
+        sentences.append(f"{', '.join(changed)}, so what follows may differ from an uninterrupted training")
+    return "; ".join(sentences)
+
+
+def _refuse_divergence(snapshot: Snapshot, state: RunState) -> None:
+    import numpy as np
+
+    for name, array in snapshot.arrays.items():
+        if name.startswith("learner/") and array.dtype.kind == "f" and not np.isfinite(array).all():
+            raise DivergedError(f"learning diverged: non-finite {name.removeprefix('learner/')} in {state.task}")
 
 
 def _finite(value: float | None) -> float | None:

@@ -16,6 +16,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from agents.disk import append, replace_file
 from sim.errors import SubMasError
 
 JSON_LIMIT_BYTES = 256 * 1024
@@ -77,17 +78,9 @@ def read_json(path: Path) -> dict[str, Any]:
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Replace `path` as a whole: whatever crashes, readers see the old content or the new."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        with temporary.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-        _sync_folder(path.parent)
+        replace_file(path, data)
     except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
         raise RunFileError(f"cannot save {path}: {error.strerror}") from error
 
 
@@ -96,23 +89,29 @@ def write_json(path: Path, value: Mapping[str, Any]) -> None:
     write_bytes(path, (json.dumps(strict(value), indent=2, allow_nan=False) + "\n").encode())
 
 
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-
-
 def append_line(path: Path, value: Mapping[str, Any]) -> None:
     """Append one JSON object as one line; it is on disk when this returns."""
     line = json.dumps(strict(value), allow_nan=False, separators=(",", ":")) + "\n"
     try:
-        with path.open("ab", buffering=0) as file:
-            file.write(line.encode())
-            os.fsync(file.fileno())
+        append(path, line.encode())
     except OSError as error:
         raise RunFileError(f"cannot save {path}: {error.strerror}") from error
+
+
+def cut_back(path: Path, size: int) -> None:
+    """Forget what was appended to a file since it was `size` bytes long; readers notice that it is another file.
+
+    Raises:
+        RunFileError: it is shorter than that, or cannot be read or written.
+    """
+    try:
+        data = path.read_bytes() if path.exists() else b""
+    except OSError as error:
+        raise RunFileError(f"{path.name} cannot be read: {error.strerror}") from error
+    if len(data) < size:
+        raise RunFileError(f"{path.name} is {len(data)} bytes long and was {size} at the last checkpoint")
+    if len(data) > size:
+        write_bytes(path, data[:size])
 
 
 class LineReader:
@@ -124,12 +123,16 @@ class LineReader:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.rows = 0
+        self.anew = False
+        """The last call began at the start again, for the file had been cut back: what was read before is void."""
         self._offset = 0
+        self._inode = 0
 
     def read_new(self) -> list[dict[str, Any]]:
-        """All complete rows since the last call."""
+        """All complete rows since the last call; all there are when `anew`."""
+        self.anew = False
         rows: list[dict[str, Any]] = []
-        while chunk := self._read_chunk():
+        while chunk := self._read_chunk(rows):
             complete = chunk.rfind(b"\n") + 1
             if not complete:
                 break
@@ -137,9 +140,10 @@ class LineReader:
             self._offset += complete
         return rows
 
-    def _read_chunk(self) -> bytes:
+    def _read_chunk(self, rows: list[dict[str, Any]]) -> bytes:
         try:
             with self.path.open("rb") as file:
+                self._recognise(os.fstat(file.fileno()).st_ino, rows)
                 file.seek(self._offset)
                 chunk = file.read(READ_LIMIT_BYTES)
         except FileNotFoundError:
@@ -149,6 +153,13 @@ class LineReader:
         if b"\n" not in chunk and len(chunk) > LINE_LIMIT_BYTES:
             raise RunFileError(f"{self.path.name}, line {self.rows + 1} is longer than {LINE_LIMIT_BYTES // 1024} kB")
         return chunk
+
+    def _recognise(self, inode: int, rows: list[dict[str, Any]]) -> None:
+        """Begin again if this is another file than last time."""
+        if self._inode not in (0, inode):
+            self.anew, self.rows, self._offset = True, 0, 0
+            rows.clear()
+        self._inode = inode
 
     def _parse(self, line: bytes) -> dict[str, Any]:
         self.rows += 1

@@ -1,8 +1,8 @@
 """One run folder: what it says about its training, and whether that training lives.
 
 `runs/<id>/` holds `config.json`, `state.json`, `metrics.jsonl`, `events.jsonl`, `policies/`, `policy.safetensors`,
-`evaluations/`, `log.txt`, `run.lock` (a flock held while the training process lives) and `stop` (its presence asks
-the training to stop).
+`evaluations/`, `checkpoints/`, `log.txt`, `run.lock` (a flock held while the training process lives), and `stop` or
+`pause` (their presence asks the training to do so).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import contextlib
 import dataclasses
 import os
 import re
+import time
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -87,8 +88,11 @@ class Run:
             RunFileError: `state.json` is missing or damaged.
         """
         written = self._written_state()
-        if written.state != "running" or self.is_alive():
+        if written.state != "running":
             return written
+        if self.is_alive():
+            silent = written.silent(time.monotonic())
+            return dataclasses.replace(written, state="stalled") if silent else written
         # The lock was free after "running" was read, so the process is gone; it may have written its last
         # word in between.
         written = self._written_state()
@@ -151,23 +155,65 @@ class Run:
         return ""
 
     def request_stop(self) -> None:
-        """Ask the run to stop at the end of its epoch; a queued run is stopped at once.
+        """Ask the run to stop at the end of its epoch, with its best policy judged; a queued run is stopped at once.
 
         Raises:
             RunBusyError: the run has already ended.
         """
+        self._request("stop", "stopped")
+
+    def request_pause(self) -> None:
+        """Ask the run to pause at the end of its epoch: it is saved and its process ends; a queued one waits no longer.
+
+        Raises:
+            RunBusyError: the run has already ended.
+        """
+        self._request("pause", "paused")
+
+    def _request(self, wish: str, outcome: str) -> None:
         with waiting_lock(self.path.parent / LAUNCHER_LOCK):
             state = self.state
             if state.state == "queued":
-                self.write_state(dataclasses.replace(state, state="stopped", updated=now()))
-            elif state.state == "running":
-                (self.path / "stop").touch()
+                self.write_state(dataclasses.replace(state, state=outcome, updated=now()))
+            elif state.active:
+                (self.path / wish).touch()
             else:
                 raise RunBusyError(f"run {self.id} is not running: it is {state.state}")
 
     def stop_requested(self) -> bool:
         """Whether somebody asked this run to stop."""
         return (self.path / "stop").exists()
+
+    def pause_requested(self) -> bool:
+        """Whether somebody asked this run to pause."""
+        return (self.path / "pause").exists()
+
+    def requeue(self) -> None:
+        """Put a run that ended before its end into the queue again; who calls this holds the launcher's lock.
+
+        Raises:
+            RunBusyError: it is finished, waits already, or is alive.
+            RunFileError: it cannot be read or written.
+        """
+        lock = self.claim()
+        if lock is None:
+            raise RunBusyError(f"run {self.id} cannot be resumed: it is running")
+        try:
+            state = self._written_state()
+            if state.state == "running":  # we hold its lock, so its process is gone
+                state = dataclasses.replace(state, state="interrupted")
+            if not state.resumable:
+                reason = "there is nothing left to train" if state.state == "finished" else f"it is {state.state}"
+                raise RunBusyError(f"run {self.id} cannot be resumed: {reason}")
+            for wish in ("stop", "pause"):
+                (self.path / wish).unlink(missing_ok=True)
+            self.write_state(
+                dataclasses.replace(state, state="queued", resumes=state.resumes + 1, pid=None, updated=now())
+            )
+        except OSError as error:
+            raise RunFileError(f"run {self.id} cannot be resumed: {error.strerror}") from error
+        finally:
+            os.close(lock)
 
 
 def now() -> str:

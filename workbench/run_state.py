@@ -8,8 +8,11 @@ from typing import Any
 
 from workbench.run_files import RunFileError
 
-STATES = ("queued", "running", "stopped", "finished", "failed", "interrupted")
-ACTIVE = ("queued", "running")
+STATES = ("queued", "running", "stalled", "paused", "stopped", "finished", "failed", "interrupted")
+ACTIVE = ("queued", "running", "stalled")
+RESUMABLE = ("paused", "stopped", "failed", "interrupted")
+PATIENCE_S = 600.0
+"""How long a training may take for its first epoch before it counts as stalled."""
 TEXT_LIMIT = 2000
 
 
@@ -18,7 +21,8 @@ class RunState:
     """Where a run is, what it reached, and why it ended."""
 
     state: str
-    """One of STATES; "interrupted" is never written: a run whose process died is shown so."""
+    """One of STATES. Two are never written: a run whose process died is shown as "interrupted", one whose process lives
+    and has given no sign for too long as "stalled"."""
     stage: int = 0
     """Stage being learned, from 0."""
     stages: int = 1
@@ -43,11 +47,26 @@ class RunState:
     """Why the run failed, in one sentence."""
     best_success_rate: float | None = None
     """Best held-out success rate of the latest stage, 0..1."""
+    resumes: int = 0
+    """How often the run was resumed."""
+    beat_s: float | None = None
+    """When its process last gave a sign, by the machine's monotonic clock [s], which never jumps."""
+    patience_s: float = PATIENCE_S
+    """After how long without a sign it counts as stalled [s]."""
 
     @property
     def active(self) -> bool:
         """Whether the run still goes on or will."""
         return self.state in ACTIVE
+
+    @property
+    def resumable(self) -> bool:
+        """Whether the run ended before its end and can go on."""
+        return self.state in RESUMABLE
+
+    def silent(self, now_s: float) -> bool:
+        """Whether its process should have given a sign by `now_s` on the monotonic clock."""
+        return self.beat_s is not None and now_s - self.beat_s > self.patience_s
 
     def to_json(self) -> dict[str, Any]:
         """The content of `state.json`."""

@@ -1,7 +1,7 @@
 """The process of one training: ``python -m workbench.training RUN_FOLDER``. It needs no page and no server.
 
-It stops at the end of an epoch when the run's `stop` file appears or a SIGTERM or Ctrl-C arrives, and at once
-on the second ask.
+It goes on from the run's last checkpoint, if there is one. It stops at the end of an epoch when the run's `stop` file
+appears or a SIGTERM or Ctrl-C arrives, and at once on the second ask; `pause` saves and ends it after the epoch.
 """
 
 from __future__ import annotations
@@ -11,17 +11,23 @@ import dataclasses
 import os
 import signal
 import sys
+import time
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
-from sim.errors import SubMasError
+from sim.errors import ActionError, SubMasError
 from workbench.launcher import drain
-from workbench.recorder import AskedToStop, RunRecorder
+from workbench.recorder import AskedToPause, AskedToStop, RunRecorder
 from workbench.run_files import RunFileError
 from workbench.run_folder import now
+from workbench.run_state import PATIENCE_S
 from workbench.runs import Run, RunBusyError, RunStore
+
+if TYPE_CHECKING:
+    from agents.snapshot import Snapshot
 
 
 class StopNow(BaseException):
@@ -95,17 +101,20 @@ def _hold(run: Run, inherited: int | None) -> int:
 def _train(run: Run, store: RunStore) -> int:
     signals = Signals(run)
     signals.listen()
-    state = dataclasses.replace(run.state, state="running", pid=os.getpid(), updated=now())
+    alive = {"state": "running", "pid": os.getpid(), "updated": now(), "beat_s": time.monotonic()}
+    state = dataclasses.replace(run.state, **alive, patience_s=PATIENCE_S, error="")
     recorder = RunRecorder(run, dataclasses.replace(state, started=state.started or now()), signals)
     try:
         run.write_state(recorder.state)
-        _learn(run, store, recorder)
+        _learn(run, store, recorder, recorder.resume())
     except StopNow:
         recorder.end("stopped")
         return 130
-    except AskedToStop:
-        recorder.end("stopped")
+    except (AskedToStop, AskedToPause) as asked:
+        recorder.end("paused" if isinstance(asked, AskedToPause) else "stopped")
         return 0
+    except ActionError as error:
+        return _fail(recorder, f"learning diverged in {recorder.state.task or 'the first epoch'}: {error}")
     except RunFileError as error:
         return _fail(recorder, str(error))
     except OSError as error:
@@ -118,7 +127,7 @@ def _train(run: Run, store: RunStore) -> int:
     return 0
 
 
-def _learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
+def _learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot | None) -> None:
     import torch
 
     from agents.submas import train
@@ -126,7 +135,7 @@ def _learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
 
     # One process per seed, one thread per process: small networks are slower with more.
     torch.set_num_threads(1)
-    train(run.config, recorder, guide_for(run.config, store))
+    train(run.config, recorder, guide_for(run.config, store), snapshot=snapshot)
 
 
 def _fail(recorder: RunRecorder, reason: str) -> int:

@@ -64,6 +64,14 @@ class ClockWorld:
         ends = over if self.terminates else np.zeros_like(over)
         return RobotStep(self.observe(), np.ones((self.lanes, 1), np.float32), ends, over & ~ends)
 
+    def state(self) -> dict[str, np.ndarray]:
+        return {name: getattr(self, name).copy() for name in ("outcome", "steps", "episode")}
+
+    def restore(self, state: dict[str, np.ndarray]) -> np.ndarray:
+        for name, values in state.items():
+            getattr(self, name)[:] = values
+        return self.observe()
+
     def observe(self) -> np.ndarray:
         return np.stack((self.episode, self.steps), axis=1).astype(np.float32)
 

@@ -21,6 +21,7 @@ OBSTACLES = 2
 OBSTACLE_X = (-1.0, 2.5)
 GOAL_X, HALF_WIDTH, SPEED, RADIUS, SENSED_WITHIN = 5.0, 2.0, 0.4, 0.6, 2.4
 MAX_TURN, MAX_STEPS = 0.6, 60
+CHANGING = ("position", "heading", "centre", "outcome", "killer", "fate", "steps")
 RUNNING, GOAL, HIT, LOST, TIMEOUT = range(5)
 
 
@@ -88,7 +89,7 @@ class RobotWorld:
 
     def __init__(self, task: RobotTask, lanes: int, seed: int) -> None:
         self.task, self.lanes, self.seed = task, lanes, seed
-        self._next = 0
+        self.next_episode = 0
         self.position = np.zeros((lanes, 2))
         self.heading = np.zeros(lanes)
         self.centre = np.zeros((lanes, OBSTACLES, 2))
@@ -101,8 +102,8 @@ class RobotWorld:
     def reset(self, lanes: np.ndarray | None = None, episodes: np.ndarray | None = None) -> np.ndarray:
         lanes = np.arange(self.lanes) if lanes is None else np.asarray(lanes)
         if episodes is None:
-            episodes = self._next + np.arange(len(lanes))
-            self._next += len(lanes)
+            episodes = self.next_episode + np.arange(len(lanes))
+            self.next_episode += len(lanes)
         for lane, episode in zip(lanes, episodes, strict=True):
             generator = np.random.default_rng([self.seed, int(episode)])
             y = generator.uniform(-1.0, 1.0)
@@ -113,6 +114,14 @@ class RobotWorld:
                 self.centre[lane, index] = (x, on_way + generator.uniform(-0.2, 0.2))
         self.outcome[lanes], self.killer[lanes], self.steps[lanes] = 0, 0, 0
         self.fate[lanes] = 0
+        return self._observe()
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {name: getattr(self, name).copy() for name in CHANGING}
+
+    def restore(self, state: dict[str, np.ndarray]) -> np.ndarray:
+        for name in CHANGING:
+            getattr(self, name)[:] = state[name]
         return self._observe()
 
     def step(self, actions: np.ndarray) -> RobotStep:

@@ -10,19 +10,26 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
-from workbench import launcher, training
+import numpy as np
+
+from agents.snapshot import Snapshot
+from workbench import launcher, pulse, training
 from workbench.recorder import RunRecorder
 from workbench.runs import Run, RunStore
 
 
-def learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
+def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot | None) -> None:
     told = dict(part.split("=") for part in run.config.name.split())
     epochs, epoch_s = int(told.get("epochs", 3)), float(told.get("epoch_s", 0.01))
+    pulse.LEAST_PATIENCE_S = float(told.get("patience_s", pulse.LEAST_PATIENCE_S))
+    pulse.SAVING_SHARE = math.inf
     began = time.monotonic()
-    recorder.event("stage_started", "stage 1 of 1: target")
-    for epoch in range(1, epochs + 1):
+    if snapshot is None:
+        recorder.event("stage_started", "stage 1 of 1: target")
+    for epoch in range(1 if snapshot is None else int(snapshot.values["epoch"]) + 1, epochs + 1):
         if epoch == int(told.get("fail_at", 0)):
             raise ValueError("the learner is broken")
         if epoch == int(told.get("die_at", 0)):
@@ -30,8 +37,23 @@ def learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
         time.sleep(epoch_s)
         loss = math.nan if epoch == int(told.get("nan_at", 0)) else 1.0 / epoch
         recorder.epoch(metrics_row(epoch, epochs, loss, time.monotonic() - began))
+        weights = np.full(3, math.nan if epoch == int(told.get("weights_nan_at", 0)) else float(epoch))
+        taken = Snapshot(0, {"epoch": epoch}, {"learner/actor": weights}, Slots(epoch))
+        recorder.checkpoint(lambda taken=taken: taken)
         if recorder.should_stop():
             return
+
+
+class Slots:
+    """Experience of a fake learner: one row of two numbers per epoch, in a ring of four."""
+
+    def __init__(self, added: int) -> None:
+        self.added = added
+
+    def blocks(self, first: int) -> Iterator[tuple[int, np.ndarray]]:
+        first = max(first, self.added - 4)
+        if first < self.added:
+            yield first, np.arange(2 * first, 2 * self.added, dtype=np.float32).reshape(-1, 2)
 
 
 def metrics_row(epoch: int, epochs: int, critic_loss: float = 0.1, wall_s: float = 1.0) -> dict[str, object]:

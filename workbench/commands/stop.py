@@ -11,7 +11,10 @@ import tyro
 
 @dataclass(frozen=True)
 class Args:
-    """Ask a run to stop at the end of its epoch; its best policy is kept. A queued run never starts."""
+    """Ask a run to stop at the end of its epoch; its best policy is judged and kept. A queued run never starts.
+
+    'workbench resume' lets it go on all the same; to only make room for a while, 'workbench pause' is quicker.
+    """
 
     run: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="RUN")]
     """Id of the run; 'workbench runs' lists them."""

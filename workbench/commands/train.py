@@ -57,10 +57,10 @@ def run(args: Args) -> int:
     runs = [store.create(config) for config in configs]
     drain(store)
     interrupted = follow(store, runs)
-    _report(runs, args.json)
+    report(runs, args.json)
     if interrupted:
         return 130
-    return _failures(runs)
+    return failures(runs)
 
 
 def configuration(args: Args, seed: int) -> TrainingConfig:
@@ -94,7 +94,8 @@ def _absolute(name: str) -> str:
     return str(path.absolute()) if path.suffix and path.is_file() else name
 
 
-def _report(runs: Sequence[Run], as_json: bool) -> None:
+def report(runs: Sequence[Run], as_json: bool) -> None:
+    """How trainings ended, as a table or as one JSON object."""
     from workbench.terminal import duration, percent, print_json, print_table
 
     summaries = [summary(run) for run in runs]
@@ -123,12 +124,14 @@ def summary(run: Run) -> dict[str, Any]:
     }
 
 
-def _failures(runs: Sequence[Run]) -> int:
+def failures(runs: Sequence[Run]) -> int:
+    """Say on standard error which trainings failed and why; the exit code."""
     failed = [run for run in runs if run.state.state in ("failed", "interrupted")]
     for run in failed:
         reason = run.state.error or "its process ended without a word"
         print(
-            f"workbench: run {run.id} {run.state.state}: {reason}; see {run.path / 'log.txt'}",
+            f"workbench: run {run.id} {run.state.state}: {reason}; see {run.path / 'log.txt'}, "
+            f"and 'workbench resume {run.id}' lets it go on",
             file=sys.stderr,
         )
     return 1 if failed else 0

@@ -27,8 +27,10 @@ class RunWatch:
             return False
         self._seen = seen
         try:
-            self.rows += [_checked(row) for row in self._metrics.read_new()]
-            self.events += self._event_lines.read_new()
+            rows = [_checked(row) for row in self._metrics.read_new()]
+            self.rows = rows if self._metrics.anew else self.rows + rows
+            events = self._event_lines.read_new()
+            self.events = events if self._event_lines.anew else self.events + events
         except RunFileError as error:
             self.problem = str(error)
         return True
