@@ -48,8 +48,8 @@ def resume_stage(stage: Stage, snapshot: Snapshot) -> TrainingState:
 def with_reason(stage: Stage, snapshot: Snapshot, restore: Callable[[], None]) -> None:
     """Check that a snapshot is of this stage and restore from it; whatever does not fit becomes a sentence."""
     scenario, digest = stage.domain.scenario(stage.task)
-    if snapshot.values.get("task") != stage.task.name:
-        raise SnapshotError(f"the checkpoint is of {snapshot.values.get('task')}, and the training is at {stage.task.name}")
+    if (kept := snapshot.values.get("task")) != stage.task.name:
+        raise SnapshotError(f"the checkpoint is of task {kept}, and the training has {stage.task.name} in that place")
     if snapshot.values.get("scenario_digest") != digest:
         raise SnapshotError(f"scenario '{scenario}' has changed since the checkpoint; train anew")
     try:

@@ -74,6 +74,8 @@ class RunRecorder:
         self._go_on_from(facts["state"])
         if found:
             self.event("resumed", _resumed(found, self.state), checkpoint=found.number)
+        elif self.state.resumes:
+            self.event("resumed", "begun anew: it had not saved a checkpoint yet")
         return found.snapshot if found else None
 
     def _go_on_from(self, before: Mapping[str, Any]) -> None:
