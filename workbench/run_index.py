@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from workbench.run_files import is_locked
-from workbench.run_folder import is_run_id
+from workbench.run_files import RunFileError, is_locked
+from workbench.run_folder import Run, is_run_id
 from workbench.run_index_file import BATCH, NAME, IndexDamaged, IndexFile, Stamps, remove
 from workbench.run_index_query import FACETS, RunSearch
 from workbench.run_index_record import RunRecord, file_stamps, folder_stamp, read_record
@@ -121,8 +121,11 @@ class RunIndex:
         return changed
 
     def _died_or_rose(self, record: RunRecord) -> bool:
-        alive = is_locked(self.root / record.folder / "run.lock")
-        return alive != (record.state == "running")
+        """Whether a run that was alive is dead, silent for too long, or the other way round; no file says so."""
+        try:
+            return Run(self.root / record.folder).state.state != record.state
+        except RunFileError:
+            return is_locked(self.root / record.folder / "run.lock") != (record.state == "running")
 
     def _take(self, found: Found, changed: dict[str, Stamps], gone: list[str]) -> None:
         folders = list(changed)

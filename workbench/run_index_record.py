@@ -127,7 +127,7 @@ def _reached(run: Run) -> dict[str, Any]:
     last = last_row(run.path / "metrics.jsonl")
     return {
         "state": state.state,
-        "running": int(state.state in ("running", "interrupted")),
+        "running": int(state.state in ("running", "stalled", "interrupted")),
         "success": state.best_success_rate,
         "mean_return": _card_return(run.path),
         "progress": float(state.progress),

@@ -50,6 +50,9 @@ class _Rows:
     def policy(self, policy: Any, card: Any) -> None:
         pass
 
+    def checkpoint(self, take: Any) -> None:
+        pass
+
     def should_stop(self) -> bool:
         return len(self.rows) >= 2
 

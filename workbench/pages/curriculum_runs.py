@@ -17,7 +17,10 @@ from workbench.run_state import RunState
 from workbench.runs import Run, RunStore
 
 TICK_MS = 1000
-SIGNS = {"queued": "…", "running": "▶", "stopped": "■", "finished": "✓", "failed": "✗", "interrupted": "✗"}
+SIGNS = {
+    "queued": "…", "running": "▶", "stalled": "!", "paused": "‖", "stopped": "■", "finished": "✓", "failed": "✗",
+    "interrupted": "✗",
+}  # fmt: skip
 RUNS_CSS = Path(__file__).with_suffix(".css").read_text("utf-8")
 
 

@@ -15,6 +15,8 @@ Row = Mapping[str, Any]
 STATE_COLOURS = {
     "queued": NEUTRAL,
     "running": POLICY_A,
+    "stalled": FAILURE,
+    "paused": POLICY_B,
     "stopped": POLICY_B,
     "finished": SUCCESS,
     "failed": FAILURE,
@@ -22,6 +24,7 @@ STATE_COLOURS = {
 }
 EVENT_COLOURS = {
     "stage_started": POLICY_A,
+    "resumed": POLICY_A,
     "best": SUCCESS,
     "promoted": SUCCESS,
     "stage_finished": SUCCESS,
