@@ -1,8 +1,6 @@
-"""A person masks missiles, launches a training, watches it, stops it, finds it again; hostile names stay text."""
+"""A person finds runs, opens and deletes them; hostile names stay text."""
 
 from __future__ import annotations
-
-import time
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -67,26 +65,3 @@ def test_an_unknown_run_is_a_sentence(person: Page, workbench: Served) -> None:
     for wanted, sentence in (("20200101-000000-aaaaaa", "is not in"), ("<b>x</b>", "is not a run id")):
         person.goto(f"{workbench.address}/live?run={wanted}")
         expect(person.get_by_text(sentence)).to_be_visible()
-
-
-@pytest.mark.slow
-def test_a_stage_is_launched_watched_and_stopped(person: Page, workbench: Served, store: RunStore) -> None:
-    person.goto(f"{workbench.address}/curriculum?what=stage&mask=3,4")
-    expect(person.get_by_text("Source task 2")).to_be_visible()
-    person.get_by_role("button", name="Missile 2").click()
-    expect(person.get_by_text("Source task 3")).to_be_visible()
-    person.get_by_role("button", name="Launch").click()
-    person.wait_for_url("**/live?run=*")
-    (run,) = store.list()
-    assert run.id in person.url
-    assert run.config == TrainingConfig(missiles=1)
-    expect(person.get_by_text("running", exact=True)).to_be_visible()
-    person.get_by_role("button", name="Stop", exact=True).click()
-    person.get_by_role("button", name="Stop this run").click()
-    expect(person.get_by_text("Stopping …")).to_be_visible()
-    assert run.stop_requested()
-    deadline = time.monotonic() + 240
-    while run.state.active and time.monotonic() < deadline:
-        time.sleep(0.5)
-    assert run.state.state == "stopped"
-    expect(person.get_by_text("stopped", exact=True)).to_be_visible()
