@@ -10,7 +10,7 @@ import os
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -62,14 +62,15 @@ class RunIndex:
         """How many runs are wanted."""
         return self._ask(lambda file: file.count(search or RunSearch()))
 
+    @property
+    def is_open(self) -> bool:
+        """Whether it answers at once."""
+        return self._file is not None
+
     def get(self, run_id: str) -> RunRecord | None:
         """The run of this id, a living one rather than one in the trash; None when there is none."""
         same = [record for trashed in (False, True) for record in self.find(RunSearch(text=run_id, trashed=trashed))]
         return next((record for record in same if record.id == run_id), None)
-
-    def guided_by(self, guides: Sequence[str]) -> list[RunRecord]:
-        """The runs that were given one of these as their guide, oldest first."""
-        return self._ask(lambda file: file.guided_by(guides))
 
     def facets(self, trashed: bool = False) -> dict[str, dict[str, int]]:
         """Of each facet, its values and how many runs have them."""

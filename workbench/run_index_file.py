@@ -130,12 +130,6 @@ class IndexFile:
         """The records whose file says "running"."""
         return [RunRecord(*row) for row in self._database.execute(f"{_SELECT} WHERE running = 1")]
 
-    def guided_by(self, guides: Sequence[str]) -> list[RunRecord]:
-        """The living runs that were given one of these as their guide, oldest first."""
-        marks = ", ".join("?" * len(guides))
-        rows = self._database.execute(f"{_SELECT} WHERE trashed = 0 AND guide IN ({marks}) ORDER BY id", [*guides])
-        return [RunRecord(*row) for row in rows]
-
     def counts(self, column: str, trashed: bool) -> dict[str, int]:
         """How many runs have each value of a column; for `tags`, of each whole list of tags."""
         if column not in FIELDS:

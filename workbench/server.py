@@ -107,7 +107,7 @@ async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
         loop.add_signal_handler(number, lambda code=code: end.done() or end.set_result(code))
     server.start()
     _announce(f"http://{HOST}:{server.port}/", guard.token, lock, browser)
-    threading.Thread(target=_warm_up, name="warm-up", daemon=True).start()
+    threading.Thread(target=_warm_up, args=(context,), name="warm-up", daemon=True).start()
     queue = asyncio.create_task(tend(context.store))
     try:
         return await end
@@ -182,8 +182,8 @@ def _has_screen() -> bool:
     return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
-def _warm_up() -> None:
-    """Load what the first flight, recording and replay need, while the person looks at the first page."""
+def _warm_up(context: AppContext) -> None:
+    """Load what the first flight, recording, replay and list of runs need, while the person looks at the first page."""
     import importlib
 
     from workbench.viewer_files import ensure_viewer
@@ -191,6 +191,7 @@ def _warm_up() -> None:
     try:
         for name in WARM:
             importlib.import_module(name)
+        context.index.look()
         ensure_viewer()
     except Exception as error:  # the page that needs it will say so to the person
         log.warning("warm-up: %s", error)

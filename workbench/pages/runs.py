@@ -1,167 +1,275 @@
-"""The Runs page: every run in a table, to search, to open, to fly, to delete."""
+"""The Runs page: thousands of runs to search, group, compare, read about, tag, delete and bring back."""
 
 from __future__ import annotations
 
+import asyncio
 import html
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
+from urllib.parse import parse_qsl
 
 import panel as pn
 import panel_material_ui as pmui
 
+from layouts.run_curves import RUN_INKS
+from layouts.run_difference import DIFFERENCE_CSS
 from sim.errors import SubMasError
 from workbench.context import AppContext
-from workbench.pages.address import fly_address, read_query, write_query
-from workbench.pages.runs_table import COLUMNS, describe, runs_frame, runs_table
-from workbench.runs import Run
+from workbench.pages.address import read_query, write_query
+from workbench.pages.runs_actions import RunsActions
+from workbench.pages.runs_bar import RunsBar
+from workbench.pages.runs_curves import RunsCurves
+from workbench.pages.runs_detail import RunsDetail
+from workbench.pages.runs_settings import EXPERT, RunsSettings, read_settings
+from workbench.pages.runs_table import TABLE_HEIGHT, RunsTable
+from workbench.pages.runs_view import RunsList, RunsMore, gather_list, gather_more
+from workbench.run_folder import is_run_id
+from workbench.run_index_record import RunRecord
+from workbench.run_notes import RunNotes
 
 TICK_MS = 1000
-TABLE_HEIGHT = 520
-DETAIL_CSS = """
-:host { color: var(--panel-on-background-color); font: 14px/1.45 var(--bokeh-base-font, sans-serif) }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 16px; margin: 0 }
-dt { opacity: .65 } dd { margin: 0; overflow-wrap: anywhere }
-"""
+SETTLED_S = 0.6
+"""How long a view has to stand before it becomes an entry of the browser's history."""
+NO_RUNS = "No run yet. Launch one on the Curriculum page, or in a terminal: workbench train --curriculum"
+NONE_FOUND = "No run fits. Take words out of the search, or choose “Clear filters”."
+NO_TRASH = "The trash is empty. Deleted runs come here, and stay until “workbench runs empty-trash”."
 
 
 def page(context: AppContext) -> pn.viewable.Viewable:
     """The Runs page of one session."""
-    return RunsPage(context).layout
+    made = RunsPage(context)
+    # Scheduled, not awaited: Panel shows its spinner over everything until what it loads has returned.
+    pn.state.onload(lambda: pn.state.execute(made.start))
+    callback = pn.state.add_periodic_callback(made.tick, TICK_MS)
+    pn.state.on_session_destroyed(lambda _session: callback.stop())
+    return made.layout
 
 
 class RunsPage:
-    """The table of one session and the run chosen in it."""
+    """One session's view of the runs."""
 
     def __init__(self, context: AppContext) -> None:
+        self._index = context.index
         self._store = context.store
-        self._runs = self._store.list()
-        self._seen = self._signatures()
-        self._chosen: Run | None = None
-        self._table = runs_table(runs_frame(self._runs), TABLE_HEIGHT)
-        self._table.param.watch(self._select, "selection")
-        self._make_controls()
+        self.settings = read_settings(read_query())
+        # What the index has at hand is shown with the first paint; an index that has to be made is waited for later.
+        self._listed = gather_list(self._index, self.settings) if self._index.is_open else None
+        self._asked = self._marks = 0
+        self._taking = False
+        self._make_parts()
         self.layout = self._arrange()
-        self._choose(read_query().get("run", ""))
-        callback = pn.state.add_periodic_callback(self._tick, TICK_MS)
-        pn.state.on_session_destroyed(lambda _session: callback.stop())
+        self._take()
 
-    def _make_controls(self) -> None:
-        self._open = pmui.Button(label="Open in Live", icon="show_chart", color="primary", width=160, margin=0)
-        self._fly = pmui.Button(label="Fly", icon="flight_takeoff", variant="outlined", width=100, margin=0)
-        self._delete = pmui.Button(
-            label="Delete", icon="delete", color="error", variant="outlined", width=120, margin=0
-        )
-        self._delete.on_click(self._ask)
-        self._detail = pn.pane.HTML("", stylesheets=[DETAIL_CSS], sizing_mode="stretch_width", margin=0)
-        self._count = pn.pane.HTML("", stylesheets=[DETAIL_CSS], sizing_mode="stretch_width", margin=0)
-        self._alert = pmui.Alert(object="", visible=False, severity="warning", margin=0, sizing_mode="stretch_width")
-        yes = pmui.Button(label="Move to the trash", color="error", margin=0)
-        no = pmui.Button(label="Keep it", variant="text", margin=0)
-        yes.on_click(self._confirmed)
-        no.on_click(self._close)
-        self._question = pn.pane.HTML("", stylesheets=[DETAIL_CSS], margin=0)
-        buttons = pmui.Row(yes, no, margin=(16, 0, 0, 0))
-        self._dialog = pmui.Dialog(self._question, buttons, title="Delete this run?", open=False)
+    def _make_parts(self) -> None:
+        self.bar = RunsBar(sizing_mode="stretch_width", margin=0)
+        self.table = RunsTable(sizing_mode="stretch_width", height=TABLE_HEIGHT, margin=0, inks=list(RUN_INKS))
+        self.curves = RunsCurves(self.settings, self._change)
+        self.detail = RunsDetail(self._act, self._write)
+        self.actions = RunsActions(self._store, self._index, self._moved)
+        self.difference = pn.pane.HTML("", stylesheets=[DIFFERENCE_CSS], sizing_mode="stretch_width", margin=0)
+        self._every = pmui.Checkbox(label="all fields", value=self.settings.every_field, margin=0, size="small")
+        self._alert = pmui.Alert(object="", visible=False, severity="info", margin=0, sizing_mode="stretch_width")
+        self._every.param.watch(lambda event: self._change(every_field=event.new), "value")
+        for name in ("text", "chosen", "trash"):
+            self.bar.param.watch(self._search, name)
+        self.bar.param.watch(lambda event: self._change(group=event.new, opened=(), shown=self._single_runs()), "group")
+        self.bar.param.watch(lambda event: self._act_on(event.new[0], self._ticked()), "asked")
+        self.bar.param.watch(lambda event: self._arrive(event.new[0]), "visited")
+        self.table.param.watch(self._search, "sort")
+        self.table.param.watch(lambda event: self._change(run=event.new), "focused")
+        self.table.param.watch(self._scroll, "first")
+        self.table.param.watch(lambda event: self._mark(*event.new[:2]), "asked")
 
     def _arrange(self) -> pn.viewable.Viewable:
-        buttons = pmui.Row(self._open, self._fly, self._delete, margin=0, sx={"gap": "12px"}, width=410)
-        self._actions = pmui.Paper(
-            pn.FlexBox(buttons, self._detail, gap="24px", sizing_mode="stretch_width", margin=0),
-            elevation=1, margin=0, sizing_mode="stretch_width", sx={"p": "14px 16px"},
-        )  # fmt: skip
+        title = pmui.Row(pn.pane.HTML("<b>Difference of configurations</b>", margin=0), self._every, margin=0)
+        self._difference = _panel(title, self.difference)
+        self._difference.visible = False
+        left = pmui.Column(_panel(self.curves.layout), self._difference, margin=0, sx={"gap": "12px"},
+                           styles={"flex": "3 1 560px", "min-width": "0"})  # fmt: skip
+        right = pmui.Column(_panel(self.detail.layout), margin=0, styles={"flex": "2 1 340px", "min-width": "0"})
+        below = pn.FlexBox(left, right, gap="12px", sizing_mode="stretch_width", margin=0)
         return pn.Column(
-            self._alert, self._count, self._table, self._actions, self._dialog,
+            self._alert, self.actions.notice, self.bar, self.table, below, *self.actions.dialogs,
             sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "12px"},
         )  # fmt: skip
 
-    def _choose(self, wanted: str) -> None:
-        """Select the run the address names."""
-        self._show()
-        if not wanted:
+    # What a person changes.
+
+    def _change(self, **changes: Any) -> None:
+        if self._taking:
             return
-        ids = [run.id for run in self._runs]
-        if wanted in ids:
-            # Once the table stands in the browser: it forgets a selection it is born with.
-            pn.state.onload(lambda: self._table.param.update(selection=[ids.index(wanted)]))
-            return
+        settings = replace(self.settings, **changes)
+        if settings != self.settings:
+            self.settings = settings
+            pn.state.execute(self.refresh)
+
+    def _search(self, _event: object = None) -> None:
+        chosen = {name: tuple(values) for name, values in self.bar.chosen.items() if values}
+        sort = self.table.sort or self.settings.search.sort
+        search = replace(self.settings.search, text=self.bar.text, chosen=chosen, trashed=self.bar.trash, sort=sort)
+        if not self._taking and search != self.settings.search:
+            self.table.first = 0
+        self._change(search=search)
+
+    def _scroll(self, _event: object) -> None:
+        if not self._taking:
+            pn.state.execute(self._relist)
+
+    def _mark(self, what: str, key: str) -> None:
+        if what == "tick":
+            settings = self.settings.toggled(key)
+            self._change(shown=settings.shown)
+        elif what == "fold":
+            opened = self.settings.opened
+            self._change(opened=tuple(each for each in opened if each != key) if key in opened else (*opened, key))
+
+    def _single_runs(self) -> tuple[str, ...]:
+        return tuple(key if is_run_id(key) else "" for key in self.settings.shown)
+
+    def _act(self, what: str) -> None:
+        """A button of the panel, for the run that is read about."""
+        record = self._listed.record if self._listed else None
+        if what == "pin" and record is not None:
+            self._change(baseline=EXPERT if self.settings.baseline == record.id else record.id)
+        elif record is not None:
+            self._act_on(what, [record])
+
+    def _act_on(self, what: str, records: list[RunRecord]) -> None:
+        if what == "untick":
+            self._change(shown=())
+        elif what == "tag":
+            self.actions.ask_tags(records)
+        elif what == "delete":
+            self.actions.ask_delete(records)
+        elif what == "restore":
+            ids = [record.id for record in records]
+            pn.state.execute(partial(self.actions.restore, ids))
+
+    def _ticked(self) -> list[RunRecord]:
+        return [record for key in self.settings.shown_runs if (record := self._index.get(key))]
+
+    def _write(self, notes: RunNotes) -> None:
+        record = self._listed.record if self._listed else None
+        if record is not None:
+            pn.state.execute(partial(self.actions.write, record, notes))
+
+    async def _moved(self, gone: Sequence[str]) -> None:
+        self.settings = self.settings.without(gone)
+        await asyncio.to_thread(self._index.look)
+        await self.refresh()
+
+    def _arrive(self, address: str) -> None:
+        """The browser went back or forward."""
+        settings = read_settings(dict(parse_qsl(address.removeprefix("?"))))
+        if settings != self.settings:
+            self.settings = settings
+            pn.state.execute(partial(self.refresh, written=True))
+
+    # What it shows.
+
+    async def start(self) -> None:
+        """Show the view of the address, then bring the index up to date."""
+        await self.refresh(written=True)
+        await self.tick()
+        if self.settings.run and self._listed is not None and self._listed.record is None:
+            self._complain()
+
+    def _complain(self) -> None:
         try:
-            self._store.get(wanted)
+            self._store.get(self.settings.run)
         except SubMasError as error:
-            self._complain(f"{error}.")
+            self.detail.show(None, None, f"{error}.")
 
-    def _select(self, _event: object) -> None:
-        rows = self._table.selection
-        run_id = str(self._table.value["run"].iloc[rows[0]]) if rows else ""
-        self._chosen = next((run for run in self._runs if run.id == run_id), None)
-        write_query(run=run_id)
-        self._show()
+    async def tick(self) -> None:
+        """Follow the folders."""
+        changed = await asyncio.to_thread(self._index.look)
+        if changed or self._listed is None or self._listed.version != self._index.version:
+            await self.refresh(written=True)
 
-    def _signatures(self) -> list[Any]:
-        return [(run.id, run.problem, run.signature()) for run in self._runs]
+    async def refresh(self, written: bool = False) -> None:
+        """Show the settings as they are; `written` says that the address has them already."""
+        await self._relist()
+        if not written:
+            pn.state.execute(self._write_address)
+        await self._remore()
 
-    def _tick(self) -> None:
-        self._runs = self._store.list()
-        seen = self._signatures()
-        if seen != self._seen:
-            self._seen = seen
-            self._refresh()
+    async def _relist(self) -> None:
+        self._asked += 1
+        asked, settings = self._asked, self.settings
+        listed = await asyncio.to_thread(gather_list, self._index, settings, self.table.first)
+        if asked == self._asked:
+            self._listed = listed
+            pn.state.execute(self._take, schedule=True)
 
-    def _refresh(self) -> None:
-        """Patch the cells that changed; a new table only when runs came or went, as it forgets its place."""
-        frame, old = runs_frame(self._runs), self._table.value
-        if list(frame["run"]) != list(old["run"]):
-            chosen = self._chosen.id if self._chosen else ""
-            self._table.value = frame
-            ids = list(frame["run"])
-            self._table.selection = [ids.index(chosen)] if chosen in ids else []
-        else:
-            self._patch(frame, old)
-        self._show()
-
-    def _patch(self, frame: Any, old: Any) -> None:
-        changes: dict[str, list[tuple[int, Any]]] = {}
-        for column in COLUMNS:
-            for row, (new, before) in enumerate(zip(frame[column], old[column], strict=True)):
-                if new != before and not (new != new and before != before):
-                    changes.setdefault(column, []).append((row, new))
-        if changes:
-            self._table.patch(changes)
-
-    def _show(self) -> None:
-        run = self._chosen
-        number = len(self._runs)
-        self._count.object = (
-            f"{number} run{'s' * (number != 1)} in {html.escape(str(self._store.root))}"
-            if number
-            else "No run yet. The Curriculum page launches one."
-        )
-        self._actions.visible = run is not None
-        if run is None:
+    async def _remore(self) -> None:
+        self._marks += 1
+        mark, settings, listed = self._marks, self.settings, self._listed
+        if listed is None:
             return
-        pairs = "".join(f"<dt>{name}</dt><dd>{html.escape(text)}</dd>" for name, text in describe(run))
-        self._detail.object = f"<dl>{pairs}</dl>"
-        good = not run.problem
-        self._open.param.update(href=f"/live?run={run.id}", disabled=not good)
-        flyable = good and run.policy_path() is not None
-        self._fly.param.update(href=fly_address(run) if flyable else "/fly", disabled=not flyable)
-        self._delete.disabled = good and run.state.state == "running"
+        more = await asyncio.to_thread(gather_more, self._index, settings, listed.listing)
+        if mark == self._marks:
+            # Figures may only be changed while the session's document is locked, which it is in a scheduled call.
+            pn.state.execute(partial(self._show_more, settings, more), schedule=True)
 
-    def _ask(self, _event: object) -> None:
-        if self._chosen is not None:
-            name = self._chosen.id if self._chosen.problem else self._chosen.config.name or self._chosen.id
-            self._question.object = f"{html.escape(name)} is moved to the folder .trash of the runs."
-            self._dialog.open = True
+    def _show_more(self, settings: RunsSettings, more: RunsMore) -> None:
+        self.curves.show(settings, more.drawing)
+        self.detail.show_lineage(more.lineage)
+        self.difference.object = more.difference
+        self._difference.visible = bool(more.difference)
 
-    def _close(self, _event: object) -> None:
-        self._dialog.open = False
+    async def _write_address(self) -> None:
+        settings = self.settings
+        await asyncio.sleep(SETTLED_S)
+        if settings == self.settings:
+            write_query(**settings.to_query())
 
-    def _confirmed(self, _event: object) -> None:
-        self._dialog.open = False
-        if self._chosen is None:
-            return
-        run_id, self._chosen = self._chosen.id, None
-        self._store.delete(run_id)
-        self._tick()
+    def _take(self) -> None:
+        """Everything that follows from the settings and the list, in one go."""
+        settings, listed = self.settings, self._listed
+        self._taking = True
+        try:
+            self.bar.param.update(**self._bar_values(settings, listed))
+            self.table.param.update(**self._table_values(settings, listed))
+            self.curves.take(settings)
+            self._every.value = settings.every_field
+            self._alert.param.update(object=html.escape(self._index.notice), visible=bool(self._index.notice))
+            if listed is not None:
+                self.detail.pin.label = "Unpin" if settings.baseline == settings.run else "Pin as baseline"
+                self.detail.show(listed.record, listed.run)
+        finally:
+            self._taking = False
 
-    def _complain(self, sentence: str) -> None:
-        self._alert.object = html.escape(sentence)
-        self._alert.visible = bool(sentence)
+    def _bar_values(self, settings: RunsSettings, listed: RunsList | None) -> dict[str, Any]:
+        search = settings.search
+        values = {
+            "text": search.text, "chosen": {name: list(each) for name, each in search.chosen.items()},
+            "group": settings.group, "trash": search.trashed, "ticked": len(settings.shown_runs),
+            "counted": self._counted(listed),
+        }  # fmt: skip
+        return values if listed is None else {**values, "facets": listed.facets}
+
+    def _counted(self, listed: RunsList | None) -> str:
+        if self._index.reading:
+            done, total = self._index.reading
+            return f"reading run folders: {done} of {total} …"
+        if listed is None:
+            return ""
+        found, everything = listed.listing.runs, listed.listing.everything
+        return f"{found} run{'s' * (found != 1)}" if found == everything else f"{found} of {everything} runs"
+
+    def _table_values(self, settings: RunsSettings, listed: RunsList | None) -> dict[str, Any]:
+        values: dict[str, Any] = {"sort": settings.search.sort, "focused": settings.run}
+        if listed is None:
+            return values
+        lines = listed.listing
+        empty = NONE_FOUND if lines.everything else NO_TRASH if settings.search.trashed else NO_RUNS
+        return {
+            **values, "lines": lines.lines, "offset": lines.offset, "total": lines.total, "pinned": listed.pinned,
+            "empty": empty,
+        }  # fmt: skip
+
+
+def _panel(*parts: Any) -> pmui.Paper:
+    return pmui.Paper(*parts, elevation=1, margin=0, sizing_mode="stretch_width", sx={"p": "14px 16px", "gap": "10px"})

@@ -1,125 +1,49 @@
-"""The table of the Runs page: one row per run, the damaged ones with their reason."""
+"""The table of runs: thousands of lines of which the browser holds those in view."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any, ClassVar
 
-import pandas as pd
-import panel as pn
+import param
+from panel.custom import JSComponent
 
-from layouts.theme import POLICY_A
-from workbench.policies import title, what_is_learned
-from workbench.runs import Run
-from workbench.scenarios import other_scenario
-
-if TYPE_CHECKING:
-    from agents.config import TrainingConfig
-
-COLUMNS = {
-    "state": "State",
-    "training": "Training",
-    "name": "Name",
-    "variant": "Variant",
-    "profile": "Profile",
-    "seed": "Seed",
-    "success": "Success %",
-    "progress": "Progress",
-    "started": "Started",
-    "minutes": "Minutes",
-    "run": "Run",
-}
-"""Columns of the table and their titles; every cell is data, never markup (Tabulator's default)."""
-WIDTHS = {
-    "state": 120, "training": 235, "name": 110, "variant": 85, "profile": 85, "seed": 70, "success": 118,
-    "progress": 112, "started": 160, "minutes": 90, "run": 200,
-}  # fmt: skip
-SIGNS = {"queued": "…", "running": "▶", "stopped": "■", "finished": "✓", "failed": "✗", "interrupted": "✗"}
-"""Signs before a state, so that it is seen without reading."""
-FILTERS: dict[str, Any] = {
-    name: {"type": "input", "func": "like", "placeholder": "filter"}
-    for name in ("state", "training", "name", "variant", "profile", "seed", "run")
-}
-PROGRESS = {"type": "progress", "max": 100, "color": POLICY_A, "legend": True, "legendColor": "currentColor"}
-SELECTED_CSS = """
-.tabulator .tabulator-row.tabulator-selected { color: inherit;
-  background: color-mix(in srgb, var(--panel-primary-color) 32%, transparent) !important }
-"""
-UNREADABLE = "unreadable"
+COLUMNS: tuple[dict[str, Any], ...] = (
+    {"name": "state", "title": "State", "width": 106, "sort": "state"},
+    {"name": "name", "title": "Name", "width": 190, "grow": 2, "sort": "name"},
+    {"name": "task", "title": "Task", "width": 124, "grow": 1, "sort": "task", "help": "What is learned"},
+    {"name": "variant", "title": "Variant", "width": 78, "sort": "variant"},
+    {"name": "profile", "title": "Profile", "width": 70, "sort": "profile", "least": 896},
+    {"name": "seed", "title": "Seed", "width": 52, "sort": "seed", "right": True},
+    {"name": "success", "title": "Success", "width": 130, "sort": "success",
+     "help": "Best held-out success rate of the latest stage; behind it, points over the expert on that task"},
+    {"name": "return", "title": "Return", "width": 66, "sort": "return", "right": True, "least": 972,
+     "help": "Mean return of the best policy"},
+    {"name": "steps", "title": "Steps", "width": 72, "sort": "steps", "right": True, "least": 1394,
+     "help": "Environment steps of the latest stage"},
+    {"name": "time", "title": "Time", "width": 66, "sort": "time", "right": True, "least": 1048, "help": "Time worked"},
+    {"name": "started", "title": "Started", "width": 134, "sort": "started", "least": 1192},
+    {"name": "tags", "title": "Tags", "width": 110, "grow": 1, "least": 1312},
+)  # fmt: skip
+"""Columns: what a line calls the value, its title, least width [px] and share of what is left over, its key of
+`run_index_query.SORTS`, and from which width of the table on [px] it is shown."""
+TABLE_HEIGHT = 380
 
 
-def runs_frame(runs: Sequence[Run]) -> pd.DataFrame:
-    """One row per run, in the order given."""
-    return pd.DataFrame([_cells(run) for run in runs], columns=list(COLUMNS))
+class RunsTable(JSComponent):
+    """A window of lines. Scrolling asks for another one; clicks and keys say what is ticked, opened, read about."""
 
+    columns = param.List(default=list(COLUMNS))
+    lines = param.List(default=[], doc="the window: dicts as `runs_lines` makes them; every text is shown as text")
+    offset = param.Integer(default=0, doc="number of the first line of the window")
+    total = param.Integer(default=0, doc="number of all lines")
+    pinned = param.Dict(default=None, allow_None=True, doc="the line above all others")
+    first = param.Integer(default=0, doc="number of the first line in view; set by the browser")
+    sort = param.String(default="", doc="key, with a minus before it for falling; set by the browser")
+    focused = param.String(default="", doc="key of the run that is read about; set by the browser")
+    asked = param.List(default=["", "", 0], doc="what was asked of which line, and a count; set by the browser")
+    inks = param.List(default=[], item_type=str, doc="#rrggbb by the place of a curve")
+    empty = param.String(default="", doc="what to say, and do, when there is no line")
 
-def _cells(run: Run) -> dict[str, Any]:
-    if run.problem:
-        return {"run": run.id, "state": f"✗ {UNREADABLE}", "training": run.problem, "progress": 0}
-    state, config = run.state, run.config
-    best = state.best_success_rate
-    return {
-        "state": f"{SIGNS[state.state]} {state.state}",
-        "training": _training(config),
-        "name": config.name,
-        "variant": config.variant,
-        "profile": config.profile,
-        "seed": str(config.seed),
-        "success": None if best is None else round(100 * best, 1),
-        "progress": round(100 * state.progress),
-        "started": (state.started or state.created)[:19].replace("T", " "),
-        "minutes": round(state.wall_s / 60, 1),
-        "run": run.id,
-    }
-
-
-def _training(config: TrainingConfig) -> str:
-    """What is learned, and on which scenario where that is not the default one."""
-    last = config.missiles
-    stage = "Stage: missile 1" if last == 1 else f"Stage: missiles 1–{last}"
-    usual = "Curriculum" if config.curriculum else stage
-    what = what_is_learned(config) if config.mask or config.order else usual
-    return " · ".join(filter(None, [what, other_scenario(config.scenario)]))
-
-
-def runs_table(frame: pd.DataFrame, height: int) -> pn.widgets.Tabulator:
-    """The table, sorted newest first, with a filter under each title."""
-    return pn.widgets.Tabulator(
-        frame,
-        titles=COLUMNS,
-        widths=WIDTHS,
-        header_filters=FILTERS,
-        formatters={
-            "progress": {
-                "type": "progress",
-                "max": 100,
-                "color": "#2f86ff",
-                "legend": True,
-                "legendColor": "currentColor",
-            }
-        },
-        text_align={name: "right" for name in ("success", "minutes")},
-        show_index=False,
-        disabled=True,
-        selectable=1,
-        row_height=36,
-        pagination="local",
-        page_size=50,
-        height=height,
-        layout="fit_data_stretch",
-        sizing_mode="stretch_width",
-        stylesheets=[SELECTED_CSS],
-        margin=0,
-    )
-
-
-def describe(run: Run) -> list[tuple[str, str]]:
-    """A run's configuration and state, as pairs of words for a person."""
-    if run.problem:
-        return [("Run", run.id), ("Problem", run.problem), ("Folder", str(run.path))]
-    state, config = run.state, run.config
-    pairs = [("Training", title(config)), ("Run", run.id), ("State", state.state)]
-    if state.error:
-        pairs.append(("Reason", state.error))
-    pairs += [("Scenario", config.scenario), ("Guide", config.guide or "the next easier task's")]
-    return [*pairs, ("Folder", str(run.path))]
+    _esm = Path(__file__).with_suffix(".js")
+    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]

@@ -18,7 +18,8 @@ from workbench.pages.curriculum import CurriculumPage
 from workbench.pages.curriculum_cards import observation_card, reward_card, task_card
 from workbench.pages.curriculum_launch import STAGE, LaunchForm
 from workbench.pages.live import LivePage, stage_tasks
-from workbench.pages.runs_table import runs_frame
+from workbench.pages.runs_lines import run_line
+from workbench.pages.runs_settings import RunsSettings
 from workbench.run_state import RunState
 from workbench.scenarios import scenario_choices
 
@@ -105,7 +106,8 @@ def test_live_and_runs_say_where_it_learns(app: AppContext) -> None:
     run = app.store.create(TrainingConfig(scenario=SIX, curriculum=True))
     run.write_state(RunState("stopped"))
     assert "scenario <b>six-missiles</b>" in LivePage(app)._html["head"].object
-    assert runs_frame(app.store.list())["training"][0] == "Curriculum · six-missiles"
+    app.index.look()
+    assert run_line(app.index.find()[0], RunsSettings())["task"] == "Curriculum 1–6 · six-missiles"
     assert stage_tasks(run.config) == ["source-5", "source-4", "source-3", "source-2", "source-1", "target"]
 
 

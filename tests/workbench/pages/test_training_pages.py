@@ -1,10 +1,8 @@
-"""Live and Runs without a browser: what they show, and that runs hold no markup."""
+"""The Live page without a browser: what it shows, and that runs hold no markup."""
 
 from __future__ import annotations
 
-import dataclasses
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import panel as pn
@@ -17,11 +15,9 @@ from workbench.pages.address import search
 from workbench.pages.live import LivePage, stage_tasks
 from workbench.pages.live_cards import event_list, head, number_cards, stage_cards
 from workbench.pages.live_watch import RunWatch
-from workbench.pages.runs import RunsPage
-from workbench.pages.runs_table import describe, runs_frame
 from workbench.run_files import append_line
 from workbench.run_state import RunState
-from workbench.runs import Run, RunStore
+from workbench.runs import Run
 
 pytestmark = pytest.mark.filterwarnings("ignore:The inplace keyword")  # Bokeh 3.9 under pandas 3.1
 
@@ -144,88 +140,3 @@ def test_nothing_a_run_says_is_markup() -> None:
     )
     assert "<img" not in shown
     assert "&lt;img" in shown
-
-
-# Runs
-
-
-def test_every_run_is_a_row_also_the_damaged_ones(app: AppContext) -> None:
-    good = app.store.create(TrainingConfig(name=HOSTILE, seed=7))
-    bad = app.store.create(TrainingConfig())
-    (bad.path / "config.json").write_text("{")
-    frame = runs_frame(app.store.list()).set_index("run")
-    assert frame.loc[good.id, "name"] == HOSTILE
-    assert frame.loc[good.id, "seed"] == "7"
-    assert frame.loc[bad.id, "state"] == "✗ unreadable"
-    assert "config.json is not JSON" in frame.loc[bad.id, "training"]
-
-
-@pytest.fixture
-def table(app: AppContext) -> Callable[[], RunsPage]:
-    return lambda: RunsPage(app)
-
-
-def test_the_chosen_run_can_be_opened(app: AppContext, table: Callable[[], RunsPage]) -> None:
-    run = app.store.create(TrainingConfig(name=HOSTILE))
-    page = table()
-    assert not page._actions.visible
-    page._table.selection = [0]
-    assert page._actions.visible
-    assert page._open.href == f"/live?run={run.id}"
-    assert page._fly.disabled
-    assert "<img" not in page._detail.object
-    page._ask(None)
-    assert "<img" not in page._question.object
-
-
-def test_a_run_that_changes_is_patched_in_place(app: AppContext, table: Callable[[], RunsPage]) -> None:
-    run = app.store.create(TrainingConfig())
-    page = table()
-    before = page._table.value
-    run.write_state(dataclasses.replace(run.state, state="finished", progress=1.0, best_success_rate=0.98))
-    page._tick()
-    assert page._table.value is before
-    assert dict(page._table.value.iloc[0][["state", "progress", "success"]]) == {
-        "state": "✓ finished",
-        "progress": 100,
-        "success": 98.0,
-    }
-
-
-def test_new_runs_appear_and_the_choice_stays(app: AppContext, table: Callable[[], RunsPage]) -> None:
-    first = app.store.create(TrainingConfig())
-    page = table()
-    page._table.selection = [0]
-    app.store.create(TrainingConfig())
-    page._tick()
-    assert len(page._table.value) == 2
-    assert page._chosen is not None
-    assert page._chosen.id == first.id
-
-
-def test_deleting_asks_first_and_moves_to_the_trash(app: AppContext, table: Callable[[], RunsPage]) -> None:
-    run = app.store.create(TrainingConfig())
-    page = table()
-    page._table.selection = [0]
-    page._ask(None)
-    assert app.store.list()
-    page._confirmed(None)
-    assert app.store.list() == []
-    assert (app.store.root / ".trash" / run.id).is_dir()
-    assert not page._actions.visible
-
-
-def test_a_running_run_is_not_deleted(app: AppContext, table: Callable[[], RunsPage]) -> None:
-    run = _learning(app)
-    lock = run.claim()
-    page = table()
-    page._table.selection = [0]
-    assert page._delete.disabled
-    os.close(lock or 0)
-
-
-def test_a_damaged_run_is_described_by_its_problem(app: AppContext) -> None:
-    run = app.store.create(TrainingConfig())
-    (run.path / "state.json").write_text("")
-    damaged = RunStore(app.store.root).list()[0]
-    assert dict(describe(damaged))["Problem"].startswith("state.json is not JSON")
