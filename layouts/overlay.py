@@ -43,9 +43,10 @@ def overlay(first: FlightChart) -> OverlaidChart:
     for renderer in [
         r for r in first.figure.renderers if isinstance(r, GlyphRenderer) and not isinstance(r.glyph, Quad)
     ]:
-        data = source if renderer.data_source is first.source else ends
-        if data is not None:
-            twins[renderer] = _twin(first, renderer, data)
+        # What belongs to neither, such as the exit on the map, is there once.
+        for own, other in ((first.source, source), (first.ends, ends)):
+            if other is not None and renderer.data_source is own:
+                twins[renderer] = _twin(first, renderer, other)
     for item in first.figure.legend[0].items:
         item.renderers = [*item.renderers, *(twins[r] for r in item.renderers if r in twins)]
     for hover in first.figure.select(HoverTool):

@@ -25,8 +25,8 @@ ALL = Additions()
 GAP_KM = 14.0
 LETTERS = "ABCDEFGH"
 """Flights by their letters, as everywhere on the page."""
-AIRCRAFT_KM = 10.0
-MISSILE_KM = 8.0
+AIRCRAFT_KM = 7.5
+MISSILE_KM = 4.8
 BURST = (255, 150, 60)
 MISS_SHOWN_S = 20.0
 """How long a miss distance stays in the picture."""

@@ -156,7 +156,7 @@ class FlyPage:
         self._tabs.show(pair)
         rows = event_rows(flights, COLOURS)
         self._events.events = rows
-        self._hud.flights = list(flown.readouts)
+        self._hud.flights = flown.readouts
         start = min(self._settings.time_s, pair.duration_s)
         self._clock.param.update(duration=pair.duration_s, marks=rows)
         if start != self._clock.time:

@@ -97,7 +97,7 @@ export function render({model}) {
   const show = () => { for (const one of tables) { draw(one, time) } }
   const build = () => {
     root.replaceChildren()
-    tables = model.flights.map((flight) => table(flight, root))
+    tables = JSON.parse(model.flights).map((flight) => table(flight, root))
     root.hidden = !model.visible_hud
     show()
   }

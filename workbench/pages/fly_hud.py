@@ -12,7 +12,9 @@ from panel.custom import JSComponent
 class FlightHud(JSComponent):
     """One small table per flight; it follows the page's clock in the browser."""
 
-    flights = param.List(default=[], doc="one dict per flight, as `layouts.instruments.instrument_series` makes them")
+    flights = param.String(
+        default="[]", doc="JSON: a list of what `layouts.instruments.instrument_series` makes, one per flight"
+    )
     visible_hud = param.Boolean(default=True, doc="whether the read-outs are shown")
 
     _esm = Path(__file__).with_suffix(".js")

@@ -9,6 +9,7 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.models import Title
 from bokeh.plotting import figure
 
 from sim.scenario import Scenario
@@ -119,6 +120,8 @@ class FlightTabs:
         if self._drawn.get(title) != over:
             self._drawn[title] = over
             rows = [self._charts.pair(kind).figures(over) for kind in ChartPairs.tabs[title]]
+            for figures in rows[1:]:
+                _untitled(figures)
             self._bodies[title].objects = [_row(figures) for figures in rows]
 
     async def _open_rerun(self) -> None:
@@ -138,6 +141,13 @@ class FlightTabs:
                 recording=address, **self._state(), height=RERUN_HEIGHT, sizing_mode="stretch_width", margin=0
             )
             self._rerun.objects = [pane]
+
+
+def _untitled(figures: list[figure]) -> None:
+    """Figures below others need not say again whose they are."""
+    for fig in figures:
+        if isinstance(fig.title, Title):
+            fig.title.visible = False
 
 
 def _row(figures: list[figure]) -> pn.viewable.Viewable:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -138,7 +139,7 @@ def test_curves_come_before_the_scene_which_is_heavy(shown: FlyPage, monkeypatch
 
 def test_the_read_outs_and_the_guide_belong_to_the_flights_shown(shown: FlyPage) -> None:
     asyncio.run(shown._fly())
-    a, b = shown._hud.flights
+    a, b = json.loads(shown._hud.flights)
     assert (a["letter"], b["letter"]) == ("A", "B")
     assert a["guide"] is not None
     assert b["guide"] is None
