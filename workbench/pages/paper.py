@@ -16,9 +16,9 @@ from layouts.paper_curve_charts import show_only
 from layouts.paper_sheet import ink
 from workbench.context import AppContext
 from workbench.pages.address import read_query, write_query
+from workbench.pages.paper_chips import AlgorithmChips
 from workbench.pages.paper_contents import PaperContents
 from workbench.pages.paper_files import file_of
-from workbench.pages.paper_legend import PaperLegend
 from workbench.pages.paper_results import Results, chosen_source, own_source, read_results, signatures, sources
 from workbench.pages.paper_run import RunPanel
 from workbench.pages.paper_sections import NAMES, contents
@@ -171,14 +171,14 @@ class PaperPage:
             parts.append(self._files)
         return panel(*parts)
 
-    def _legend(self, prepared: Prepared) -> list[PaperLegend]:
+    def _legend(self, prepared: Prepared) -> list[AlgorithmChips]:
         item = prepared.section.item
         if item not in ("fig8", "fig9") or prepared.drawn is None:
             return []
         figures = [chart for pair in prepared.drawn.pairs for chart in pair]
         entries = [{"name": v, "label": LABELS[v], "ink": ink(v)} for v in TRAINED_FOR[item]]
         hidden = [name for name in self._wanted["hide"].split(",") if name in TRAINED_FOR[item]]
-        legend = PaperLegend(entries=entries, hidden=hidden, margin=0, sizing_mode="stretch_width")
+        legend = AlgorithmChips(entries=entries, hidden=hidden, margin=0, sizing_mode="stretch_width")
         show_only(figures, hidden)
 
         def hide(event: Any) -> None:

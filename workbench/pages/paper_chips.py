@@ -8,7 +8,8 @@ import param
 from panel.custom import JSComponent
 
 
-class PaperLegend(JSComponent):
+# Not "…Legend": Panel's theme takes whatever is called so for one of Bokeh's, and sets what it has not.
+class AlgorithmChips(JSComponent):
     """Chips in the inks of their curves."""
 
     entries = param.List(default=[], item_type=dict, doc="name, label and ink")
