@@ -9,7 +9,6 @@ import hashlib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -87,8 +86,8 @@ class RobotStep:
 class RobotWorld:
     """Obstacles lie on the straight way to the gate, so heading for the gate always hits the first one."""
 
-    def __init__(self, task: RobotTask, lanes: int, seed: int) -> None:
-        self.task, self.lanes, self.seed = task, lanes, seed
+    def __init__(self, task: RobotTask, lanes: int, seed: int, pay: float = 1.0) -> None:
+        self.task, self.lanes, self.seed, self.pay = task, lanes, seed, np.float32(pay)
         self.next_episode = 0
         self.position = np.zeros((lanes, 2))
         self.heading = np.zeros(lanes)
@@ -131,7 +130,7 @@ class RobotWorld:
         move = SPEED * np.stack((np.cos(self.heading), np.sin(self.heading)), axis=1)
         self.position += np.where(alive[:, None], move, 0.0)
         self.steps += alive
-        terms = self._reward_terms(alive)
+        terms = self.pay * self._reward_terms(alive)
         over = alive & (self.outcome != RUNNING)
         truncated = over & (self.outcome == TIMEOUT)
         return RobotStep(self._observe(), terms, over & ~truncated, truncated)
@@ -175,12 +174,18 @@ class RobotWorld:
         return np.concatenate((own, block[:, kept].reshape(self.lanes, -1)), axis=1).astype(np.float32)
 
 
+@dataclass(frozen=True)
 class PointRobot:
     """The domain, as `agents.task.Domain` describes one."""
 
-    action_limit = MAX_TURN
-    default_block = NOT_SENSED
-    outcome_names: ClassVar = {GOAL: "exit", HIT: "hit", LOST: "lost", TIMEOUT: "timeout"}
+    pay: float = 1.0
+    """Factor on all rewards; with little pay the guide's example weighs more than what the task pays."""
+    action_limit: float = MAX_TURN
+    default_block: tuple[float, float] = NOT_SENSED
+
+    @property
+    def outcome_names(self) -> dict[int, str]:
+        return {GOAL: "exit", HIT: "hit", LOST: "lost", TIMEOUT: "timeout"}
 
     def layout(self, subtasks: tuple[int, ...]) -> RobotLayout:
         return RobotLayout(subtasks)
@@ -201,7 +206,7 @@ class PointRobot:
         return 1.0
 
     def world(self, task: RobotTask, lanes: int, seed: int) -> RobotWorld:
-        return RobotWorld(task, lanes, seed)
+        return RobotWorld(task, lanes, seed, self.pay)
 
     def features(self, layout: RobotLayout) -> ObservationFeatures:
         return ObservationFeatures(layout, layout.obstacles, {"x": 5.0, "y": 2.5, "r": 2.5}, NOT_SENSED)

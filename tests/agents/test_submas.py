@@ -13,8 +13,9 @@ from agents.evaluation import evaluate
 from agents.expert import DraggingExpert, NavigationExpert, RandomPolicy
 from agents.policy import Policy
 from agents.submas import source_of, train
+from agents.transfer_mask import TransferMask
 from sim.task import task_for
-from tests.agents.point_robot import POINT_ROBOT, RobotTask
+from tests.agents.point_robot import POINT_ROBOT, PointRobot, RobotTask
 from tests.agents.recording import Recording
 from tests.agents.stages import HYPER
 from tests.agents.test_policy import network_policy
@@ -44,12 +45,14 @@ LEARNING = dataclasses.replace(
     promotion_success=0.97,
 )
 CURRICULUM = TrainingConfig(curriculum=True, missiles=2)
+POORLY_PAID = PointRobot(pay=0.1)
+"""Here imitating the guide weighs more than any obstacle: only the transfer mask says where not to."""
 
 
 def _train(guide: Policy, config: TrainingConfig = CURRICULUM, **changes: object) -> tuple[Policy, Recording]:
     recording = Recording()
     hyper = dataclasses.replace(LEARNING, **changes)
-    return train(config, recording, guide, domain=POINT_ROBOT, hyperparameters=hyper), recording
+    return train(config, recording, guide, domain=POORLY_PAID, hyperparameters=hyper), recording
 
 
 class Shuffled(NavigationExpert):
@@ -81,6 +84,14 @@ def test_the_curriculum_solves_the_target_from_an_expert_that_always_fails_there
 @pytest.mark.slow
 def test_with_a_shuffled_guide_the_same_training_fails() -> None:
     policy, _ = _train(Shuffled(), epochs=10)
+    assert evaluate(policy, RobotTask(), 200, 9, domain=POINT_ROBOT).success_rate < 0.5
+
+
+@pytest.mark.slow
+def test_without_the_transfer_mask_the_same_training_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(TransferMask, "allowed", lambda _mask, observation: np.ones(len(observation), bool))
+    policy, recording = _train(NavigationExpert())
+    assert {row["transfer_share"] for row in recording.rows} == {1.0}
     assert evaluate(policy, RobotTask(), 200, 9, domain=POINT_ROBOT).success_rate < 0.5
 
 
