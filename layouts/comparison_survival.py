@@ -18,6 +18,7 @@ COLUMNS = (
 )  # fmt: skip
 RING_COLUMNS = ("radius", "label", "x", "y")
 RING_KM = 20.0
+TITLE_HEIGHT = 32
 _CLICK = """
 const range = Math.hypot(cb_obj.x, cb_obj.y) * 1000;
 const aspect = Math.atan2(-cb_obj.x, cb_obj.y) * 180 / Math.PI;
@@ -77,9 +78,9 @@ class SurvivalChart:
 
 
 def survival_chart(name: str, size: int) -> SurvivalChart:
-    """An empty map, so many pixels wide and high; its CSV is called `survival-` and the name."""
+    """An empty map, so many pixels wide; its CSV is called `survival-` and the name."""
     fig = figure(
-        title=" ", frame_width=size, frame_height=size, sizing_mode="fixed", x_range=Range1d(-1, 1),
+        title=" ", width=size, height=size + TITLE_HEIGHT, sizing_mode="fixed", min_border=0, x_range=Range1d(-1, 1),
         y_range=Range1d(-1, 1), tools="save", active_drag=None,
     )  # fmt: skip
     plain(fig)

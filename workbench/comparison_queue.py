@@ -101,16 +101,24 @@ class ComparisonQueue:
         while not self._waiting:
             self._news.clear()
             try:
-                await asyncio.wait_for(self._news.wait(), IDLE_S)
+                async with asyncio.timeout(IDLE_S):
+                    await self._news.wait()
             except TimeoutError:
                 return None
         return self._waiting.pop(0)
 
     async def _start(self) -> Process:
         command = [sys.executable, *ENTRY, str(self._runs), str(self.cache.folder)]
-        return await asyncio.create_subprocess_exec(
-            *command, stdin=PIPE, stdout=PIPE, stderr=None, env=environment(), start_new_session=True
+        starting = asyncio.ensure_future(
+            asyncio.create_subprocess_exec(
+                *command, stdin=PIPE, stdout=PIPE, stderr=None, env=environment(), start_new_session=True
+            )
         )
+        try:
+            return await asyncio.shield(starting)
+        except asyncio.CancelledError:
+            await _end(await starting)  # or it would outlive the server
+            raise
 
     async def _fly(self, work: Work, process: Process) -> None:
         assert process.stdin is not None and process.stdout is not None

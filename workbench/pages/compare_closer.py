@@ -15,7 +15,11 @@ from workbench.pages.compare_settings import CompareSettings
 from workbench.pages.compare_words import COMPARE_CSS, gallery, pairs_table
 from workbench.scenarios import DEFAULT
 
-MAP_SIZE = 300
+MAP_SIZE = 320
+HOW_TO_READ = (
+    '<p class="quiet">Maps: one missile fired at once at the evader, whose nose points up; the launch range grows '
+    "outwards. Blue: it survives. Orange: it is shot down. A click on a place flies that shot.</p>"
+)
 SIDE_BY_SIDE = """
 :host { display: grid !important; grid-template-columns: minmax(0, 1fr) auto auto; gap: 10px 22px;
   height: auto !important }
@@ -47,13 +51,14 @@ class CompareCloser:
         """Show what is known, and what is missing in words."""
         a, b = settings.policy, settings.against
         names, colours = (labels[a], labels[b]), (inks[a], inks[b])
-        self._pairs.object = pairs_table(names, colours, settings.tasks, close.pairs, settings.task)
+        table = pairs_table(names, colours, settings.tasks, close.pairs, settings.task)
+        self._pairs.object = table + HOW_TO_READ
         for chart, policy in zip(self._maps, (a, b), strict=True):
             shots, address = close.maps.get(policy), fly_address(grid, settings, policy, theme)
             if shots is None:
                 chart.clear(_no_map(grid.cell(policy, settings.task), labels[policy]))
             else:
-                chart.show(shots, f"One shot at {labels[policy]}", address)
+                chart.show(shots, labels[policy].removesuffix(" (shipped)"), address)
         self._gallery.object = self._pictures(grid, settings, close, inks[a], theme)
 
     def _pictures(self, grid: Grid, settings: CompareSettings, close: Closely, ink: str, theme: str) -> str:

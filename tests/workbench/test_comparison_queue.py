@@ -1,0 +1,114 @@
+"""The queue of comparisons: real processes that fly, end, die and are asked again."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sim.task import Task, task_for
+from workbench.comparison import Work
+from workbench.comparison_cache import ComparisonCache
+from workbench.comparison_policies import entry
+from workbench.comparison_queue import ComparisonQueue
+from workbench.runs import RunStore
+
+SEED = 2**46
+ONE_MISSILE = task_for("default", "2,3,4")
+PATIENCE_S = 300.0
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> RunStore:
+    return RunStore(tmp_path / "runs")
+
+
+@pytest.fixture
+def cache(tmp_path: Path) -> ComparisonCache:
+    return ComparisonCache(tmp_path / "cache")
+
+
+def _work(store: RunStore, policy: str = "expert-dragging", task: Task = ONE_MISSILE, episodes: int = 20) -> Work:
+    return entry(policy, task, store).work("evaluation", "default", task, SEED, episodes=episodes)
+
+
+def _until(queue: ComparisonQueue, works: list[Work], over: Callable[[], bool]) -> None:
+    async def wait() -> None:
+        queue.want(works)
+        async with asyncio.timeout(PATIENCE_S):
+            while not over():
+                await asyncio.sleep(0.02)
+        await queue.close()
+
+    asyncio.run(wait())
+
+
+def test_processes_fly_what_is_wanted_and_a_second_look_is_immediate(store: RunStore, cache: ComparisonCache) -> None:
+    works = [_work(store, policy) for policy in ("expert-dragging", "expert-navigation")]
+    queue = ComparisonQueue(store.root, cache, workers=1)
+    _until(queue, [*works, works[0]], lambda: all(cache.has(work) for work in works))
+    one = cache.evaluation(works[0])
+    assert one is not None and one.policy == "expert-dragging"
+    again = ComparisonQueue(store.root, cache)
+    again.want(works)  # outside an event loop: nothing is started
+    assert all(again.standing(work) is None for work in works)
+
+
+def test_what_is_dropped_ends_and_leaves_no_result(store: RunStore, cache: ComparisonCache) -> None:
+    long, waiting = _work(store, episodes=10_000), _work(store, "expert-navigation", episodes=9_999)
+    queue = ComparisonQueue(store.root, cache, workers=1)
+
+    async def story() -> None:
+        queue.want([long, waiting])
+        async with asyncio.timeout(PATIENCE_S):
+            while queue.state(long) != "flying":
+                await asyncio.sleep(0.02)
+            assert queue.state(waiting) == "waiting"
+            process = queue._flying[long]
+            queue.drop([long, waiting])
+            assert queue.standing(long) is None and queue.standing(waiting) is None
+            assert await process.wait() != 0
+        await queue.close()
+
+    asyncio.run(story())
+    assert not cache.has(long) and not cache.has(waiting)
+
+
+def test_a_worker_that_dies_is_told_of_and_its_work_can_be_asked_for_again(
+    store: RunStore, cache: ComparisonCache
+) -> None:
+    work = _work(store, episodes=10_000)
+    queue = ComparisonQueue(store.root, cache, workers=1)
+
+    async def story() -> None:
+        queue.want([work])
+        async with asyncio.timeout(PATIENCE_S):
+            while queue.state(work) != "flying":
+                await asyncio.sleep(0.02)
+            queue._flying[work].kill()
+            while queue.state(work) != "failed":
+                await asyncio.sleep(0.02)
+        standing = queue.standing(work)
+        assert standing is not None and "ended" in standing.error
+        queue.want([work])
+        assert queue.state(work) == "waiting"
+        await queue.close()
+
+    asyncio.run(story())
+
+
+def test_a_mistake_is_one_sentence(store: RunStore, cache: ComparisonCache) -> None:
+    work = dataclasses.replace(_work(store), scenario="nowhere")
+    queue = ComparisonQueue(store.root, cache, workers=1)
+    told: list[str] = []
+
+    def over() -> bool:
+        standing = queue.standing(work)
+        told.append(standing.error if standing else "")
+        return bool(told[-1])
+
+    _until(queue, [work], over)
+    assert "nowhere" in told[-1] and "Traceback" not in told[-1]
