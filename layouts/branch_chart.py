@@ -19,8 +19,8 @@ from sim.trajectory import Trajectory
 
 KM = 1e-3
 MARGIN = 1.05
-BEFORE_S = 20.0
-"""Time shown before the moment at which a branch leaves its original."""
+AROUND_S = 20.0
+"""Time shown before the moment at which a branch leaves its original, and after the last missile of both."""
 PREFIX = "branch_"
 
 
@@ -58,13 +58,15 @@ class BranchCharts:
         self._nearest, self._own = _nearest_overlay(height, self._time)
         self._map = map_chart(scenario.battlefield, self._missiles, height, BRANCH)
         self._track, self._way = _track_overlay(self._map)
+        # Three figures side by side have no room for its many names; the colours are those of the chips above.
+        self._map.figure.legend.visible = False
         self.figures = (self._azimuth.figure, self._nearest.figure, self._map.figure)
 
     def show(self, original: Trajectory, branch: Trajectory, from_s: float, letter: str, colour: str) -> None:
         """Compare a branch with its original, flight `letter` in `colour`, which it leaves at `from_s` [s]."""
-        end_s = max(original.duration_s, branch.duration_s)
-        low_s = max(from_s - BEFORE_S, 0.0)
-        self._time.update(start=low_s, end=end_s, reset_start=low_s, reset_end=end_s, bounds=(0.0, end_s))
+        end_s, low_s = max(original.duration_s, branch.duration_s), max(from_s - AROUND_S, 0.0)
+        high_s = min(max(_last_missile_s(original), _last_missile_s(branch), from_s + AROUND_S) + AROUND_S, end_s)
+        self._time.update(start=low_s, end=high_s, reset_start=low_s, reset_end=high_s, bounds=(0.0, end_s))
         how = f"branch solid, {letter} dotted"
         self._azimuth.show(azimuth_columns(original), azimuth_columns(branch), from_s, f"Azimuths · {how}")
         near = nearest_columns(original), nearest_columns(branch)
@@ -83,6 +85,12 @@ def nearest_columns(flight: Trajectory) -> Columns:
     index = thin_index(len(flight.time_s))
     ranges = np.array([track.range_m[index] for track in flight.missiles]).reshape(-1, len(index))
     return {"time_s": flight.time_s[index], "closest_km": _smallest(ranges) * KM}
+
+
+def _last_missile_s(flight: Trajectory) -> float:
+    """When the last missile of a flight ended, or the flight while one flew [s]; 0 without any."""
+    ends = [m.end_s if np.isfinite(m.end_s) else flight.duration_s for m in flight.missiles if np.isfinite(m.launch_s)]
+    return max(ends, default=0.0)
 
 
 def _smallest(values: NDArray[np.float64]) -> NDArray[np.float64]:

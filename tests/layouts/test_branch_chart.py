@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from layouts.branch_chart import BEFORE_S, BranchCharts, nearest_columns
+from layouts.branch_chart import AROUND_S, BranchCharts, nearest_columns
 from layouts.theme import BRANCH, POLICY_B
 from sim.scenario_file import load_scenario
 from sim.world import Outcome
@@ -45,9 +45,10 @@ def test_a_missile_that_the_branch_lacks_stays_empty() -> None:
     assert np.isfinite(charts._azimuth.original.data["missile_4_deg"]).any()
 
 
-def test_time_begins_shortly_before_the_moment_and_ends_with_the_longer_flight() -> None:
+def test_time_begins_shortly_before_the_moment_and_ends_shortly_after_the_last_missile() -> None:
     axis = _shown()._azimuth.figure.x_range
-    assert (axis.start, axis.end) == (FROM_S - BEFORE_S, END_S)
+    last_s = 4 * LAUNCH_EVERY_S + FLIGHT_S  # missile 4 of the original; the branch has only three
+    assert (axis.start, axis.end, axis.bounds) == (FROM_S - AROUND_S, last_s + AROUND_S, (0.0, END_S))
 
 
 def test_the_closest_missile_is_the_nearest_that_flies() -> None:

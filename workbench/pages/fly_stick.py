@@ -27,7 +27,7 @@ from workbench.pages.fly_start import start_of
 from workbench.pages.fly_stick_dial import dial_sight, whole_heading
 from workbench.pages.fly_stick_live import LiveFlight
 from workbench.pages.fly_stick_view import BranchView, StickParts
-from workbench.pages.fly_stick_widgets import ME, StickWidgets
+from workbench.pages.fly_stick_widgets import StickWidgets
 from workbench.policies import resolve_policy
 from workbench.runs import RunStore
 
@@ -97,7 +97,8 @@ class FlyStick:
     def _connect(self) -> None:
         parts = self.widgets
         parts.of.param.watch(lambda _event: self._offer_other(), "value")
-        parts.take.on_click(lambda _event: self._take())
+        parts.take.on_click(lambda _event: self._fly(self._from_here(parts.who.value)))
+        parts.steer.on_click(lambda _event: self._steer(self._from_here(self._original.policy)))
         parts.hand_over.on_click(lambda _event: self._hand_over())
         for button in (parts.cancel, parts.back):
             button.on_click(lambda _event: self.remove())
@@ -121,13 +122,9 @@ class FlyStick:
             self.widgets.who.value = next(iter(policies.values()))
         self.tick(self._clock.time)
 
-    def _take(self) -> None:
-        of, who, step = self.widgets.of.value, self.widgets.who.value, self._step(self._clock.time)
-        if who == ME:
-            # Nobody's headings yet: the policy only makes the branch a whole one, the stick ignores it.
-            self._steer(Branch(of, step, (), self._flights[of].policy))
-        else:
-            self._fly(Branch(of, step, (), who))
+    def _from_here(self, policy: str) -> Branch:
+        """The branch at the clock's present moment in which this policy flies on."""
+        return Branch(self.widgets.of.value, self._step(self._clock.time), (), policy)
 
     def _fly(self, branch: Branch) -> None:
         """Fly a branch to its end, aside; it is shown when it is there."""

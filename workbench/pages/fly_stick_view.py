@@ -23,7 +23,6 @@ from workbench.pages.fly_stick_card import branch_card
 from workbench.pages.fly_stick_widgets import StickWidgets
 
 INKS = {"A": POLICY_A, "B": POLICY_B}
-PANE = {"flex": "1 1 380px", "min-width": "0"}
 
 
 @dataclass(frozen=True)
@@ -90,8 +89,7 @@ class BranchView:
         if self._charts is None or self._charts.scenario != original.task.scenario:
             self._charts = BranchCharts(original.task.scenario)
             self._widgets.charts.objects = [
-                pn.pane.Bokeh(figure, margin=0, sizing_mode="stretch_width", styles=PANE)
-                for figure in self._charts.figures
+                pn.pane.Bokeh(figure, margin=0, sizing_mode="stretch_width") for figure in self._charts.figures
             ]
         self._charts.show(original, flight, from_s, branch.of, INKS[branch.of])
 

@@ -11,16 +11,21 @@ from layouts.captions import clock_text
 from workbench.pages.fly_stick_card import BRANCH_CARD_CSS
 from workbench.pages.fly_stick_dial import HeadingDial
 
-ME = "me"
-"""Who flies on when a person does."""
 HOLD = ""
 """Who flies on after a person when nobody does: the last heading is held."""
 BOX = {
     "gap": "10px", "padding": "8px 12px", "border-radius": "8px",
     "border": "1px solid color-mix(in srgb, var(--panel-on-background-color) 20%, transparent)",
 }  # fmt: skip
-TITLE = "<b style='font-size: 15px; white-space: nowrap'>Take the stick</b>"
-HELP = "From this moment of this flight, let somebody else fly on, and see the branch beside the original."
+CHARTS_CSS = """
+:host { display: grid !important; grid-template-columns: repeat(auto-fit, minmax(400px, 1fr)); gap: 12px;
+  height: auto !important }
+"""
+TITLE = "<b style='font-size: 15px'>Take the stick</b> &ensp;of flight"
+HELP = "From this moment on, let this policy fly this flight, and see the branch beside the original."
+STEER_HELP = (
+    "From this moment on, fly yourself: arrow keys or mouse set the heading; hand over to a policy at any moment."
+)
 
 
 class StickWidgets:
@@ -28,11 +33,12 @@ class StickWidgets:
 
     def __init__(self, labels: Mapping[str, str]) -> None:
         policies = {label: spec for spec, label in labels.items()}
-        self.of = pmui.RadioButtonGroup(options=["A", "B"], value="A", size="small", margin=0, label="Flight to leave")
-        self.who = _select("Who flies on", policies | {"Me, by arrow keys or mouse": ME}, "1 1 220px")
+        self.of = pmui.RadioButtonGroup(options=["A", "B"], value="A", size="small", margin=0, sizing_mode=None)
+        self.who = _select("Who flies on", policies, "1 1 220px")
         self.first = self.who.value
         """Who flies on until somebody has chosen."""
         self.take = _button("Fly on", "call_split", "contained", HELP)
+        self.steer = _button("I fly", "sports_esports", "outlined", STEER_HELP)
         self.moment = pn.pane.HTML("", margin=0, sizing_mode=None, styles={"font-size": "14px"})
         self.problem = pmui.Alert(object="", severity="warning", visible=False, margin=0, sizing_mode="stretch_width")
         self.dial = HeadingDial(margin=0, sizing_mode="stretch_width")
@@ -42,7 +48,7 @@ class StickWidgets:
         self.card = pn.pane.HTML("", stylesheets=[BRANCH_CARD_CSS], margin=0, styles={"flex": "1 1 560px"})
         self.steer_on = _button("Steer on", "sports_esports", "outlined", STEER_ON_HELP)
         self.back = _button("Back to the original", "undo", "outlined", "Remove the branch.")
-        self.charts = pn.FlexBox(gap="12px", sizing_mode="stretch_width", margin=0)
+        self.charts = pn.Row(sizing_mode="stretch_width", margin=0, stylesheets=[CHARTS_CSS])
         self._choice, self._live, self._branch = self._rows()
         self.layout = pn.Column(
             self.problem, self._choice, self._live, self._branch, self.charts,
@@ -60,7 +66,7 @@ class StickWidgets:
         """Say from which moment on somebody else would fly."""
         words = f"from <b>{clock_text(time_s)}</b> on" if not over else "is over: move the clock back"
         self.moment.object = f"<span style='white-space: nowrap'>{words}</span>"
-        self.take.disabled = over
+        self.take.disabled = self.steer.disabled = over
 
     def _rows(self) -> tuple[pn.viewable.Viewable, ...]:
         look = {
@@ -70,8 +76,8 @@ class StickWidgets:
             "sizing_mode": "stretch_width",
             "margin": 0,
         }
-        title, flight = (pn.pane.HTML(words, margin=0, sizing_mode=None) for words in (TITLE, "flight"))
-        choice = pn.FlexBox(title, flight, self.of, self.moment, self.who, self.take, styles=BOX, **look)
+        title = pn.pane.HTML(TITLE, margin=0, sizing_mode=None, styles={"font-size": "14px", "white-space": "nowrap"})
+        choice = pn.FlexBox(title, self.of, self.moment, self.who, self.take, self.steer, styles=BOX, **look)
         ends = pn.FlexBox(self.heir, self.hand_over, self.cancel, **look)
         live = pn.Column(self.dial, ends, sizing_mode="stretch_width", margin=0, styles=BOX)
         buttons = pn.Row(self.steer_on, self.back, margin=0, sizing_mode=None, styles={"gap": "8px"})
