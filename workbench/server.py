@@ -33,6 +33,7 @@ WARM = (
     "workbench.pages.curriculum",
     "workbench.pages.live",
     "workbench.pages.runs",
+    "workbench.pages.compare",
     "rerun",
     "viser",
 )

@@ -68,7 +68,8 @@ def pairs_table(
 def _pair_row(task: str, figures: PairedFigures | None, inks: tuple[str, str], close: bool) -> str:
     begin = f"<tr{' class=close' if close else ''}><td>{html.escape(task)}</td>"
     if figures is None:
-        return f'{begin}<td class="none" colspan="{len(PAIR_COLUMNS) - 1}"><small>not flown by both here yet</small></td></tr>'
+        width = len(PAIR_COLUMNS) - 1
+        return f'{begin}<td class="none" colspan="{width}"><small>not flown by both here yet</small></td></tr>'
     parts = ((figures.both, SUCCESS), (figures.only_a, inks[0]), (figures.only_b, inks[1]), (figures.neither, FAILURE))
     split = "".join(f'<i style="flex: {count}; background: {ink}"></i>' for count, ink in parts)
     counts = "".join(f"<td>{count}</td>" for count, _ in parts)
