@@ -35,39 +35,30 @@ class ProbeError(SubMasError):
     """The speed of this machine could not be measured."""
 
 
-class _Rows:
-    """A recorder that keeps the rows and stops after the second."""
-
-    def __init__(self) -> None:
-        self.rows: list[dict[str, Any]] = []
-
-    def epoch(self, row: dict[str, Any]) -> None:
-        self.rows.append(row)
-
-    def event(self, kind: str, text: str, **fields: Any) -> None:
-        pass
-
-    def policy(self, policy: Any, card: Any) -> None:
-        pass
-
-    def checkpoint(self, take: Any) -> None:
-        pass
-
-    def should_stop(self) -> bool:
-        return len(self.rows) >= 2
-
-
 def measure(profile: str) -> dict[str, float]:
     """Times of this profile's learner on the target task: `epoch_s` an epoch, `evaluation_s` an evaluation [s]."""
     import torch
 
     from agents.config import PROFILES, TrainingConfig
     from agents.expert import DraggingExpert
+    from agents.recorder import NoRecorder
     from agents.submas import train
+
+    class TwoRows(NoRecorder):
+        """Keeps the rows and stops after the second."""
+
+        def __init__(self) -> None:
+            self.rows: list[dict[str, Any]] = []
+
+        def epoch(self, row: dict[str, Any]) -> None:
+            self.rows.append(row)
+
+        def should_stop(self) -> bool:
+            return len(self.rows) >= 2
 
     torch.set_num_threads(1)  # as a training process
     hyper = PROFILES[profile]
-    recorder = _Rows()
+    recorder = TwoRows()
     # The dragging expert flies as long as a trained policy does, so lanes end and start as they will.
     train(TrainingConfig(), recorder, DraggingExpert(), hyperparameters=_fraction(hyper, LANE_STEPS[profile]))
     evaluation_s = _evaluation_s(hyper.evaluation_episodes)

@@ -75,7 +75,7 @@ def _line(run: Run, state: RunState) -> str:
     left = f"at most {long(state.eta_s)} left" if state.active and state.eta_s is not None else ""
     href = "/live" + search({"run": run.id, "theme": _theme()})
     return (
-        f'<li><span class="state {state.state}">{SIGNS[state.state]} {state.state}</span>'
+        f'<li><span class="state {state.state}">{SIGNS.get(state.state, "·")} {state.state}</span>'
         f'<span class="what" title="{name}">{name}</span>{done}'
         f'<span class="left">{left}</span>'
         f'<a href="{href}" aria-label="Watch {name} on the Live page">Open in Live</a></li>'
