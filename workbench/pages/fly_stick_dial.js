@@ -97,7 +97,7 @@ export function render({model}) {
   }
 
   function drawControls() {
-    hold.textContent = model.running ? "❚❚ Pause" : "▶ Fly on"
+    hold.textContent = model.running ? "❚❚ Pause" : "▶ Go on"
     hold.setAttribute("aria-pressed", String(!model.running))
     speeds.replaceChildren(...model.speeds.map((speed) => {
       const button = document.createElement("button")
