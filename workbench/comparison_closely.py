@@ -45,13 +45,18 @@ def look_closely(
     maps, missing = _maps(grid, task, policies, cache)
     shown: tuple[Strip, ...] = ()
     tracks = None
-    if mine.evaluation is not None:
+    if mine.evaluation is not None and repeatable(mine.entry.policy):
         rival = other.evaluation if a != b else None
         shown = tuple(strips(mine.evaluation, rival, names[1]))
         work = _track_work(grid, a, task, shown)
         tracks = _tracks(work, cache)
         missing += [work] if work is not None and tracks is None else []
     return Closely(_pairs(grid, a, b), maps, shown, tracks, (*wanted, *missing))
+
+
+def repeatable(policy: str) -> bool:
+    """Whether a policy flies an engagement again as it flew it: the random one does not."""
+    return policy != "random"
 
 
 def _pairs(grid: Grid, a: str, b: str) -> dict[str, PairedFigures]:

@@ -172,6 +172,8 @@ def read_theme() -> str:
 
 def _sources(grid: Grid) -> str:
     """Where the figures come from, as HTML."""
+    if not grid.cells:
+        return "Choose at least one policy and one task."
     figures = [cell.figures for cell in grid.cells.values() if cell.figures is not None]
     shipped, flown = sum(one.shipped for one in figures), sum(not one.shipped for one in figures)
     words = []

@@ -33,7 +33,9 @@ class CompareBars:
         for chart in self._charts:
             chart.figure.on_event(Tap, self._tap)
             panes.append(pn.pane.Bokeh(chart.figure, sizing_mode="stretch_width", margin=0))
-        self.figures = pn.Row(*panes, sizing_mode="stretch_width", margin=0, stylesheets=[SIDE_BY_SIDE])
+        self.figures = pn.Row(
+            *panes, sizing_mode="stretch_width", margin=0, stylesheets=[SIDE_BY_SIDE], css_classes=["tour-compare"]
+        )
 
     def show(self, grid: Grid, labels: Mapping[str, str], inks: Mapping[str, str]) -> None:
         """Show what is known of every cell."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import panel as pn
 
 from layouts.comparison_survival import survival_chart
-from workbench.comparison_closely import Closely
+from workbench.comparison_closely import Closely, repeatable
 from workbench.comparison_grid import Cell, Grid
 from workbench.pages.address import search
 from workbench.pages.compare_settings import CompareSettings
@@ -67,6 +67,8 @@ class CompareCloser:
             return _waiting(f"{html.escape(cell.entry.blind)}.")
         if cell.evaluation is None:
             return _waiting("Closest calls and failures appear here once this policy has flown this task.")
+        if not repeatable(cell.entry.policy):
+            return _waiting("This policy flies every engagement another way each time: there is nothing to fly again.")
         if not close.strips:
             return _waiting("No missile came near and nothing went wrong: there is nothing to show.")
         if close.tracks is None:

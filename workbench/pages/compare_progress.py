@@ -75,7 +75,8 @@ class CompareProgress:
         number = len({work.name for work in waiting})
         engagements = sum({work.name: work.episodes for work in waiting}.values())
         self.fly.param.update(
-            label=f"Fly {number} × {next(iter(waiting)).episodes}" if number else "All flown", disabled=not number
+            label=f"Fly {number} × {next(iter(waiting)).episodes}" if number else "Nothing left to fly",
+            disabled=not number,
         )
         self.fly.description = f"Fly the {engagements} engagements that are missing" if number else ""
         if not pending:
