@@ -9,6 +9,7 @@ from layouts.branch_bodies import LiveBodies
 from layouts.branch_scene import add_branch
 from layouts.motion import Motion
 from layouts.scene import FlightScene
+from layouts.scene_bodies import Additions
 from layouts.theme import BRANCH, Mode, ground
 from sim.scenario import Battlefield
 from sim.trajectory import Trajectory
@@ -58,7 +59,7 @@ class BranchLayer:
         """Show nothing."""
         self._shown = None
 
-    def build(self, server: viser.ViserServer, scene: FlightScene, mode: Mode, root: str) -> None:
+    def build(self, server: viser.ViserServer, scene: FlightScene, mode: Mode, root: str, additions: Additions) -> None:
         """Draw it into a scene, in place of what was drawn before."""
         server.scene.remove_by_name(self._root)
         self._builds += 1
@@ -69,15 +70,16 @@ class BranchLayer:
             flight, from_s = self._shown.flight, self._shown.from_s
             letter = branch_letter("AB"[self._on])
             self._scene = add_branch(server, scene, self._on, flight, from_s, BRANCH, mode, self._root, letter)
+            self._scene.paint(additions)
         elif self._shown is not None and self._battlefield is not None:
             server.scene.add_frame(self._root, show_axes=False)
             place = (self._battlefield, scene.offsets_km[self._on])
             self._live = LiveBodies(server, self._root, BRANCH, ground(mode), place)
 
-    def show(self, time_s: float) -> None:
+    def show(self, time_s: float, additions: Additions) -> None:
         """Place it as it is at this time [s]; what is flown live is never shown before or after what was flown."""
         if self._scene is not None:
-            self._scene.show(time_s)
+            self._scene.show(time_s, additions)
         elif self._live is not None and isinstance(self._shown, Stick):
             now = min(max(time_s, self._shown.start_s), self._shown.time_s)
             self._live.show(now, self._shown.poses(now))

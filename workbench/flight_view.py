@@ -44,11 +44,11 @@ class Layer(Protocol):
         """Whom the camera of the layer follows."""
         ...
 
-    def build(self, server: viser.ViserServer, scene: FlightScene, mode: Mode, root: str) -> None:
-        """Draw it into a scene that has just been built; all names begin with `root`."""
+    def build(self, server: viser.ViserServer, scene: FlightScene, mode: Mode, root: str, additions: Additions) -> None:
+        """Draw it into a scene, in place of what it drew before; all names begin with `root`."""
         ...
 
-    def show(self, time_s: float) -> None:
+    def show(self, time_s: float, additions: Additions) -> None:
         """Place it as it is at this time [s]."""
         ...
 
@@ -92,7 +92,7 @@ class FlightView:
         self.frame = FlightFrame(sizing_mode="stretch_width", margin=0, **{"drawn": list(USUAL), **frame})
         self.frame.param.watch(lambda *_events: self._build(), ["dark", "overlay"])
         self.frame.param.watch(lambda *_events: self._aim_all(), ["camera", "look"])
-        self.frame.param.watch(lambda *_events: self._redraw(), "drawn")
+        self.frame.param.watch(lambda *_events: (self._redraw(), self.draw_layer()), "drawn")
         self.frame.param.watch(self._photograph, "photo")
 
     def load(self, flights: Sequence[Trajectory]) -> None:
@@ -110,7 +110,7 @@ class FlightView:
             return
         self._scene.show(time_s, self.additions)
         if self.layer is not None:
-            self.layer.show(time_s)
+            self.layer.show(time_s, self.additions)
         if self.frame.camera in (*CHASE, CHASE_LAYER):
             self._aim_all()
 
@@ -146,8 +146,8 @@ class FlightView:
         """Draw the layer into the present scene, as when it has something new to show."""
         if self._scene is not None and self.layer is not None:
             mode = "dark" if self.frame.dark else "light"
-            self.layer.build(self._server, self._scene, mode, f"/build_{self._builds}")
-            self.layer.show(self._time_s)
+            self.layer.build(self._server, self._scene, mode, f"/build_{self._builds}", self.additions)
+            self.layer.show(self._time_s, self.additions)
 
     async def _photograph(self, _event: object) -> None:
         self.frame.picture = ""
