@@ -1,4 +1,4 @@
-"""What every figure offers to save, in its toolbar: its picture as PNG and SVG, its numbers as CSV, made in the browser."""
+"""What every figure offers to save in its toolbar: PNG, SVG, and its numbers as CSV; all made in the browser."""
 
 from __future__ import annotations
 

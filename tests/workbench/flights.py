@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from functools import cache
 
+import pytest
+
+from layouts.animation import HOLD_S
 from sim.task import Task
 from sim.trajectory import Trajectory, fly
 from sim.world import Outcome
 from tests.engagements import circle, drag, straight, task, to_exit
+from workbench import export_video
 
 POLICIES = {
     Outcome.EXIT: drag,
@@ -33,3 +37,9 @@ def ending(outcome: Outcome, flown: Task | None = None) -> Trajectory:
 def unhindered() -> Trajectory:
     """To the exit with every missile masked; flown anew at every call, recorded every second."""
     return fly(task(1, 2, 3, 4), to_exit, "to the exit", 3, record_every=20)
+
+
+def shorten_films(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Animations of a fifth of a second and the held last picture: enough to be read, and soon drawn."""
+    for name in ("GIF_SECONDS", "MP4_SECONDS"):
+        monkeypatch.setattr(export_video, name, HOLD_S + 0.2)

@@ -22,11 +22,17 @@ from sim.task import Task
 from sim.trajectory import BodyTrack, Trajectory
 from sim.world import Outcome
 from tests.engagements import changed
-from tests.workbench.flights import ending, unhindered
+from tests.workbench.flights import ending, shorten_films, unhindered
 from workbench import cli, exports
 from workbench.acmi_check import check_acmi
-from workbench.exports import FORMATS, ExportError, check_target, encode, export, suffix_of
+from workbench.exports import FORMATS, TOGETHER, ExportError, check_target, encode, export, suffix_of
 from workbench.flight_table import table
+
+
+@pytest.fixture(autouse=True)
+def _short_films(monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten_films(monkeypatch)
+
 
 UNITS = ("_s", "_m", "_rad", "_m_s")
 
@@ -88,7 +94,7 @@ def test_equal_flights_give_equal_files(suffix: str) -> None:
 def test_what_fails_half_way_leaves_the_old_file(
     error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(_flight: Trajectory) -> bytes:
+    def fail(*_: object) -> bytes:
         raise error
 
     path = tmp_path / "flight.csv"
@@ -239,6 +245,24 @@ def test_the_command_writes_every_format(
     assert cli.main(["fly", "random", "--mask", "1,2,3", "--seed", "4", "--out", f"x{suffix}"]) == 0
     assert f"written to x{suffix}" in capsys.readouterr().out
     assert [path.name for path in tmp_path.iterdir()] == [f"x{suffix}"]
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_two_flights_share_the_files_that_have_room_for_two(
+    suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    against = ["--against", "expert-navigation", "--mask", "1,2,3,4", "--out", f"x{suffix}"]
+    code = cli.main(["fly", "expert-dragging", *against])
+    said = capsys.readouterr()
+    assert code == (0 if suffix in TOGETHER else 2)
+    assert [path.name for path in tmp_path.iterdir()] == ([f"x{suffix}"] if suffix in TOGETHER else [])
+    assert suffix in TOGETHER or said.err.startswith(f"workbench: --out x{suffix} holds one flight; two together fit")
+
+
+def test_a_second_policy_without_a_file_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["fly", "random", "--against", "expert-dragging"]) == 2
+    assert "--against expert-dragging needs --out" in capsys.readouterr().err
 
 
 def test_the_help_of_fly_names_every_format(capsys: pytest.CaptureFixture[str]) -> None:

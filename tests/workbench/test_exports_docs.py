@@ -8,8 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.workbench.flights import shorten_films
 from workbench import cli
 from workbench.exports import FORMATS
+
+
+@pytest.fixture(autouse=True)
+def _short_films(monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten_films(monkeypatch)
+
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs/exports.md"
