@@ -21,6 +21,8 @@ ENTRY = ("-m", "workbench.comparison_worker")
 IDLE_S = 20.0
 """A worker stays so long when nothing is left to do: what is asked for next begins at once."""
 ERRORS_KEPT = 200
+CHANGED = "the workbench's own code has changed since it was started; start it again"
+"""Why a result has another name than the one that was asked for."""
 
 
 @dataclass
@@ -139,7 +141,8 @@ class ComparisonQueue:
             del self._flying[work]
         # Dropped work is forgotten, and asked for again it stands anew: what ended was not that.
         if self._standing.get(work) is standing:
-            self._finish(work, error)
+            missing = not error and not self.cache.has(work)
+            self._finish(work, CHANGED if missing else error)
 
     def _finish(self, work: Work, error: str) -> None:
         if not error:

@@ -128,7 +128,8 @@ def test_tracks_are_those_of_the_recorded_flight(store: RunStore) -> None:
         assert track["closest_m"] == pytest.approx(flight.missiles[0].closest_m, abs=0.02)
         np.testing.assert_allclose(track["evader"][0], flight.evader.position_m[0, :2] / 1e3, atol=0.01)
         flown = flight.missiles[0].position_m
-        last = flown[np.isfinite(flown[:, 0])][-1, :2] / 1e3
+        first, last = flown[np.isfinite(flown[:, 0])][[0, -1], :2] / 1e3
+        np.testing.assert_allclose(track["missiles"]["1"]["path"][0], first, atol=2.0)
         np.testing.assert_allclose(track["missiles"]["1"]["path"][-1], last, atol=2.0)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from sim.task import Task, task_for
+from workbench import comparison
 from workbench.comparison import Work
 from workbench.comparison_cache import ComparisonCache
 from workbench.comparison_policies import entry
@@ -112,3 +113,21 @@ def test_a_mistake_is_one_sentence(store: RunStore, cache: ComparisonCache) -> N
 
     _until(queue, [work], over)
     assert "nowhere" in told[-1] and "Traceback" not in told[-1]
+
+
+def test_a_result_of_other_code_is_not_waited_for_again_and_again(
+    store: RunStore, cache: ComparisonCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(comparison, "source", lambda: "what this process was started with")
+    work = _work(store)
+    queue = ComparisonQueue(store.root, cache, workers=1)
+    told: list[str] = []
+
+    def over() -> bool:
+        standing = queue.standing(work)
+        told.append(standing.error if standing else "gone")
+        return bool(told[-1])
+
+    _until(queue, [work], over)
+    assert "start it again" in told[-1]
+    assert not cache.has(work) and len(list(cache.folder.iterdir())) == 1
