@@ -23,6 +23,7 @@ from workbench.checkpoint_manifest import (
     CheckpointError,
     Manifest,
     Part,
+    manifest_name,
     manifest_numbers,
     open_plain,
     read_manifest,
@@ -75,8 +76,9 @@ class Checkpoints:
             )
             manifest.write(self.folder)
         except BaseException as error:
-            for path in written:
-                with contextlib.suppress(OSError):
+            # The manifest first, should it be there already: one without its parts would be a damaged checkpoint.
+            with contextlib.suppress(OSError):
+                for path in (self.folder / manifest_name(number), *written):
                     disk.disk.remove(path)
             if isinstance(error, OSError):
                 raise RunFileError(f"cannot save {self.folder}: {error.strerror}") from error
@@ -128,7 +130,8 @@ class Checkpoints:
         import numpy as np
         from safetensors.numpy import save
 
-        data = save({key: np.ascontiguousarray(array) for key, array in arrays.items()})
+        # `ascontiguousarray` would give a number an axis.
+        data = save({key: np.asarray(array, order="C") for key, array in arrays.items()})
         path = self.folder / name
         written.append(path)
         write_bytes(path, data)
@@ -142,13 +145,12 @@ class Checkpoints:
         return [part for part in last.parts if part.first >= 0], last.added or 0
 
     def _remove_unneeded(self) -> None:
-        """Manifests first: one without its parts would be a damaged checkpoint."""
         needed = {manifest.name for manifest in self._kept}
         needed |= {part.name for manifest in self._kept for part in manifest.parts}
         names = [path.name for path in self.folder.iterdir() if path.name not in needed]
         ours = [name for name in names if MANIFEST_NAME.fullmatch(name) or PART_NAME.fullmatch(name)]
         try:
-            for name in sorted(ours):  # "manifest" sorts before "replay" and "state"
+            for name in sorted(ours):  # manifests first: "m" sorts before "replay" and "state"
                 disk.disk.remove(self.folder / name)
         except OSError as error:
             raise RunFileError(f"cannot remove an old checkpoint in {self.folder}: {error.strerror}") from error

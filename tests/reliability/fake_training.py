@@ -1,6 +1,6 @@
 """A training process that learns nothing, quickly: the real entry point around a stand-in for the learner.
 
-What it does is told by the run's name: `epochs=5 epoch_s=0.1 fail_at=3 nan_at=2 die_at=4`.
+What it does is told by the run's name: `epochs=5 epoch_s=0.1 fail_at=3 nan_at=2 die_at=4 hang_at=2`.
 """
 
 from __future__ import annotations
@@ -24,8 +24,6 @@ from workbench.runs import Run, RunStore
 def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot | None) -> None:
     told = dict(part.split("=") for part in run.config.name.split())
     epochs, epoch_s = int(told.get("epochs", 3)), float(told.get("epoch_s", 0.01))
-    pulse.LEAST_PATIENCE_S = float(told.get("patience_s", pulse.LEAST_PATIENCE_S))
-    pulse.SAVING_SHARE = math.inf
     began = time.monotonic()
     if snapshot is None:
         recorder.event("stage_started", "stage 1 of 1: target")
@@ -34,6 +32,8 @@ def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot |
             raise ValueError("the learner is broken")
         if epoch == int(told.get("die_at", 0)):
             os.kill(os.getpid(), signal.SIGKILL)
+        if epoch == int(told.get("hang_at", 0)) and snapshot is None:
+            time.sleep(600.0)
         time.sleep(epoch_s)
         loss = math.nan if epoch == int(told.get("nan_at", 0)) else 1.0 / epoch
         recorder.epoch(metrics_row(epoch, epochs, loss, time.monotonic() - began))
@@ -68,8 +68,9 @@ def metrics_row(epoch: int, epochs: int, critic_loss: float = 0.1, wall_s: float
     }  # fmt: skip
 
 
-launcher.ENTRY = (str(Path(__file__).resolve()),)
-training._learn = learn
-
 if __name__ == "__main__":
+    pulse.LEAST_PATIENCE_S = 0.5
+    pulse.SAVING_SHARE = math.inf
+    launcher.ENTRY = (str(Path(__file__).resolve()),)
+    training._learn = learn
     sys.exit(training.main())
