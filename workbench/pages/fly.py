@@ -15,6 +15,7 @@ from layouts.theme import POLICY_A, POLICY_B
 from sim.errors import SubMasError
 from sim.scenario_file import load_scenario
 from workbench.context import AppContext
+from workbench.export_menu import ExportMenu
 from workbench.flight_view import FlightView
 from workbench.pages.address import read_query, write_query
 from workbench.pages.fly_cards import CARD_CSS, flight_card, note_card
@@ -98,6 +99,7 @@ class FlyPage:
         self._clock.param.watch(self._tick, "time")
         self._clock.param.watch(self._settle, "settled")
         self._clock.param.watch(lambda event: self._see(speed=event.new), "speed")
+        self._export = ExportMenu(margin=0, sizing_mode=None)
         self._events = EventList(sizing_mode="stretch_width", margin=0)
         self._tabs = FlightTabs(
             self._context.recordings, load_scenario(self._settings.scenario), self._rerun_state, self._look,
@@ -114,6 +116,7 @@ class FlyPage:
             readouts=self._hud,
             clock=[
                 self._clock,
+                self._export,
                 HelpSheet(**CORNER),
                 FlightCursors(width=0, height=0, margin=0),
             ],
@@ -156,6 +159,7 @@ class FlyPage:
         self._tabs.show(pair)
         rows = event_rows(flights, COLOURS)
         self._events.events = rows
+        self._export.offer(flown.a, flown.b, (settings.a, settings.b), self._context.store.root, settings.scenario)
         self._hud.flights = flown.readouts
         start = min(self._settings.time_s, pair.duration_s)
         self._clock.param.update(duration=pair.duration_s, marks=rows)
