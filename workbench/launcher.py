@@ -118,7 +118,7 @@ async def tend(store: RunStore, every_s: float = 2.0) -> None:
     """Keep the queue moving, for ever: the server's part, should a training die without draining the queue itself."""
     while True:
         try:
-            drain(store)
+            await asyncio.to_thread(drain, store)  # with thousands of runs it would hold up the pages
         except SubMasError as error:
             log.warning("%s", error)
         await asyncio.sleep(every_s)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,9 @@ class RunRecord:
     task: str = ""
     """What is learned, in two words."""
     missiles: int = 0
+    """How many missiles the run's last task has."""
+    subtasks: str = ""
+    """Their numbers, as in "1,2,3"."""
     curriculum: int = 0
     variant: str = ""
     profile: str = ""
@@ -107,19 +111,21 @@ def _between_lines(tags: tuple[str, ...]) -> str:
 
 def _configured(run: Run) -> dict[str, Any]:
     config = run.config
-    names = ("name", "scenario", "missiles", "variant", "profile", "seed", "guide")
+    names = ("name", "scenario", "variant", "profile", "seed", "guide")
     return {
         **{name: getattr(config, name) for name in names},
+        "missiles": len(config.subtasks),
+        "subtasks": ",".join(map(str, config.subtasks)),
         "curriculum": int(config.curriculum),
-        "task": task_words(config.curriculum, config.missiles),
+        "task": task_words(config.curriculum, config.subtasks),
     }
 
 
-def task_words(curriculum: bool, missiles: int) -> str:
-    """What a training learns: the chain up to so many missiles, or the single stage with so many."""
-    if curriculum:
-        return f"Curriculum 1–{missiles}" if missiles > 1 else "Curriculum 1"
-    return f"Stage 1–{missiles}" if missiles > 1 else "Stage 1"
+def task_words(curriculum: bool, subtasks: Sequence[int]) -> str:
+    """What a training learns: the chain up to these missiles, or the single stage with them."""
+    row = list(range(1, len(subtasks) + 1))
+    missiles = f"1–{len(row)}" if len(row) > 1 and list(subtasks) == row else ",".join(map(str, subtasks))
+    return f"{'Curriculum' if curriculum else 'Stage'} {missiles}"
 
 
 def _reached(run: Run) -> dict[str, Any]:

@@ -37,28 +37,9 @@ def test_hostile_names_are_only_text(person: Page, workbench: Served, store: Run
     expect(person.get_by_text(f"error of {NAMES[0]}")).to_be_visible()
     for name in NAMES:
         expect(person.get_by_text(f"event of {name}")).to_be_visible()
-    person.goto(f"{workbench.address}/runs?run={runs[0].id}")
-    expect(person.get_by_role("gridcell", name=NAMES[0])).to_be_visible()
-    person.get_by_role("button", name="Delete").click()
-    expect(person.get_by_text(f"{NAMES[0]} is moved")).to_be_visible()
     assert person.evaluate("window.canary") is None
     for run in runs:
         store.delete(run.id)
-
-
-def test_a_run_is_searched_and_deleted(person: Page, workbench: Served, store: RunStore) -> None:
-    wanted, other = _failed(store, "needle"), _failed(store, "haystack")
-    person.goto(f"{workbench.address}/runs")
-    expect(person.get_by_role("gridcell", name="haystack")).to_be_visible()
-    person.get_by_role("columnheader", name="Name").get_by_placeholder("filter").press_sequentially("need")
-    expect(person.get_by_role("gridcell", name="haystack")).to_have_count(0)
-    person.get_by_role("gridcell", name="needle").click()
-    expect(person.get_by_role("link", name="Open in Live")).to_have_attribute("href", f"/live?run={wanted.id}")
-    person.get_by_role("button", name="Delete").click()
-    person.get_by_role("button", name="Move to the trash").click()
-    expect(person.get_by_role("gridcell", name="needle")).to_have_count(0)
-    assert [run.id for run in store.list()] == [other.id]
-    store.delete(other.id)
 
 
 def test_an_unknown_run_is_a_sentence(person: Page, workbench: Served) -> None:

@@ -143,6 +143,8 @@ class RunsPage:
             self.actions.ask_tags(records)
         elif what == "delete":
             self.actions.ask_delete(records)
+        elif what in ("pause", "resume"):
+            pn.state.execute(partial(self.actions.send, what, records[0].id))
         elif what == "restore":
             ids = [record.id for record in records]
             pn.state.execute(partial(self.actions.restore, ids))

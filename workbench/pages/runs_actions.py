@@ -11,6 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from sim.errors import SubMasError
+from workbench.launcher import resume
 from workbench.run_folder import shorten
 from workbench.run_index import RunIndex
 from workbench.run_index_record import RunRecord
@@ -84,6 +85,19 @@ class RunsActions:
         moved, problems = await asyncio.to_thread(_each, self._store.restore, ids)
         self._deleted = []
         self._tell(f"{_runs(len(moved))} brought back from the trash.", problems)
+        await self._done([])
+
+    async def send(self, wish: str, run_id: str) -> None:
+        """Pause a run at the end of its epoch, or let it go on.
+
+        Raises:
+            SubMasError: it does not stand so that it could.
+        """
+        run = self._store.get(run_id)
+        if wish == "pause":
+            await asyncio.to_thread(run.request_pause)
+        else:
+            await asyncio.to_thread(resume, self._store, run)
         await self._done([])
 
     async def _add_tags(self) -> None:

@@ -1,5 +1,5 @@
 // Search, facets and groups. Facets open as lists of boxes to tick in the browser's top layer, where nothing covers them.
-const TYPING_MS = 130
+const TYPING_MS = 60
 let serial = 0
 
 function make(tag, name, parent, attributes = {}, text = "") {

@@ -29,16 +29,17 @@ def _measured() -> dict[tuple[str, str], float]:
 
 
 @lru_cache(maxsize=256)
-def expert_rate(scenario: str, missiles: int) -> tuple[str, float | None]:
-    """Name of the task with missiles 1..`missiles`, and the expert's success rate there; None if never measured."""
+def expert_rate(scenario: str, subtasks: str) -> tuple[str, float | None]:
+    """Name of the task with these missiles ("1,2") and the expert's success rate there; None if never measured."""
+    wanted = {int(number) for number in subtasks.split(",") if number}
     try:
         target = Task(load_scenario(scenario))
-        task = target.mask(missile for missile in target.missiles if missile > missiles)
+        task = target.mask(missile for missile in target.missiles if missile not in wanted)
     except SubMasError:
-        return f"{missiles} missiles", None
+        return f"missiles {subtasks}", None
     return task.name, _measured().get((task.scenario.digest, task.name))
 
 
 def expert_rate_of(record: RunRecord) -> float | None:
     """The expert's success rate on the task that a run ends with."""
-    return None if record.problem else expert_rate(record.scenario, record.missiles)[1]
+    return None if record.problem else expert_rate(record.scenario, record.subtasks)[1]

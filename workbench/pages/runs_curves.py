@@ -124,10 +124,10 @@ def _levels(settings: RunsSettings, records: Mapping[str, RunRecord], groups: Ma
         return ()
     shown = [records[key] for _, key in _shown(settings) if key in records]
     shown += [group.records[0] for _, key in _shown(settings) if (group := groups.get(key.removeprefix("group:")))]
-    tasks = dict.fromkeys((record.scenario, record.missiles) for record in shown if not record.problem)
+    tasks = dict.fromkeys((record.scenario, record.subtasks) for record in shown if not record.problem)
     levels = {}
-    for scenario, missiles in [*tasks][:4]:
-        task, rate = expert_rate(scenario, missiles)
+    for scenario, subtasks in [*tasks][:4]:
+        task, rate = expert_rate(scenario, subtasks)
         if rate is not None:
             levels[f"dragging expert, {task} {100 * rate:.1f} %"] = rate
     return tuple(Level(label, rate) for label, rate in levels.items())

@@ -18,6 +18,7 @@ from workbench.pages.live_cards import STATE_COLOURS
 from workbench.policies import title
 from workbench.run_index_record import UNREADABLE, RunRecord
 from workbench.run_notes import NOTE_LIMIT, RunNotes, parse_tags
+from workbench.run_state import ACTIVE, RESUMABLE
 from workbench.runs import Run
 from workbench.terminal import duration, percent
 
@@ -61,11 +62,14 @@ class RunsDetail:
         self.open = pmui.Button(label="Open in Live", icon="show_chart", color="primary", margin=0, sizing_mode=None)
         self.fly = _button("Fly", "flight_takeoff")
         self.pin = _button("Pin as baseline", "push_pin")
+        self.pause = _button("Pause", "pause")
+        self.resume = _button("Resume", "play_arrow", "primary")
         self.delete = _button("Delete", "delete", "error")
         self.restore = _button("Restore", "restore_from_trash", "primary")
-        for name, button in (("pin", self.pin), ("delete", self.delete), ("restore", self.restore)):
+        acting = {name: getattr(self, name) for name in ("pause", "resume", "pin", "delete", "restore")}
+        for name, button in acting.items():
             button.on_click(lambda _event, name=name: act(name))
-        every = (self.open, self.fly, self.pin, self.delete, self.restore)
+        every = (self.open, self.fly, *acting.values())
         self._buttons = pn.FlexBox(*every, gap="8px", sizing_mode="stretch_width", margin=0)
 
     def _make_notes(self) -> None:
@@ -106,8 +110,12 @@ class RunsDetail:
         self.open.href = f"/live?run={record.id}"
         if good and living and record.has_policy:
             self.fly.href, self.fly.visible = _fly_address(run), True
+        asked = good and run.pause_requested()
+        self.pause.param.update(visible=living and record.state in ACTIVE, disabled=asked,
+                                label="Pausing …" if asked else "Pause")  # fmt: skip
+        self.resume.visible = living and record.state in RESUMABLE
         self.delete.visible, self.restore.visible = living, not living
-        self.delete.disabled = record.state == "running"
+        self.delete.disabled = record.state in ("running", "stalled")
 
     def _show_notes(self, record: RunRecord) -> None:
         """Only what has changed in the folder: what is being written here is not taken away."""

@@ -19,10 +19,11 @@ WINDOW = 120
 MARGIN = 40
 """Lines sent above what is in view."""
 SIGNS = {
-    "queued": "…", "running": "▶", "paused": "‖", "stopped": "■", "finished": "✓", "failed": "✗", "interrupted": "✗",
+    "queued": "…", "running": "▶", "stalled": "!", "paused": "‖", "stopped": "■", "finished": "✓", "failed": "✗",
+    "interrupted": "✗",
 }  # fmt: skip
 """Signs before a state, so that it is seen without reading."""
-TARGET_MISSILES = 4
+TARGET = "1,2,3,4"
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,7 @@ def baseline_line(settings: RunsSettings, record: RunRecord | None) -> dict[str,
         return None
     if record is not None:
         return {**run_line(record, settings), "kind": "pinned"}
-    task, rate = expert_rate(DEFAULT, TARGET_MISSILES)
+    task, rate = expert_rate(DEFAULT, TARGET)
     return {
         "kind": "pinned", "key": EXPERT, "name": EXPERT_LABEL, "state": "baseline", "sign": "", "tags": [], "slot": -1,
         "task": f"{task} task", "variant": "rule", "value": rate,

@@ -167,7 +167,7 @@ def test_a_damaged_run_is_listed_with_a_sentence_among_the_others(many: AppConte
 
 
 def test_success_is_told_beside_the_experts_on_the_same_task(many: AppContext) -> None:
-    task, rate = expert_rate("default", 4)
+    task, rate = expert_rate("default", "1,2,3,4")
     assert (task, rate) == ("target", 0.617)
     page = opened(many)
     assert page.table.pinned["success"] == "61.7 %"
