@@ -126,10 +126,11 @@ class FlyStick:
         """The branch at the clock's present moment in which this policy flies on."""
         return Branch(self.widgets.of.value, self._step(self._clock.time), (), policy)
 
-    def _fly(self, branch: Branch) -> None:
-        """Fly a branch to its end, aside; it is shown when it is there."""
+    def _fly(self, branch: Branch, remark: str = "") -> None:
+        """Fly a branch to its end, aside; it is shown when it is there, with a remark if there is one to make."""
         self._request += 1
         self._stop()
+        self._complain(remark)
         self.widgets.show(live=False, branch=self._branch is not None)
         self.widgets.take.loading = True
         pn.state.execute(partial(self._fly_on, branch, self._request), schedule=True)
@@ -139,7 +140,7 @@ class FlyStick:
             flight = await asyncio.to_thread(self._flown, branch)
         except SubMasError as error:
             if request == self._request:
-                pn.state.execute(partial(self._refuse, error), schedule=True)
+                pn.state.execute(partial(self._refuse, error, branch), schedule=True)
             return
         if request == self._request:
             pn.state.execute(partial(self._show_branch, branch, flight), schedule=True)
@@ -157,7 +158,7 @@ class FlyStick:
 
     def _show_branch(self, branch: Branch, flight: Trajectory) -> None:
         self._branch = branch
-        self._complain("")
+        self.widgets.take.loading = False
         self._view.flown(branch, flight)
         write_query(branch=branch_text(branch))
         self.tick(self._clock.time)
@@ -225,10 +226,14 @@ class FlyStick:
             self._ticker.stop()
         self._ticker = self._live = None
 
-    def _refuse(self, error: SubMasError) -> None:
+    def _refuse(self, error: SubMasError, branch: Branch | None = None) -> None:
+        sentence = f"{str(error)[0].upper()}{str(error)[1:]}."
+        if branch is not None and branch.by_hand and branch.policy:
+            # What a person flew is not lost because nobody can take over.
+            self._fly(replace(branch, policy=""), f"{sentence} The last heading is held instead.")
+            return
         self.remove()
-        sentence = str(error)
-        self._complain(f"{sentence[0].upper()}{sentence[1:]}. No branch is flown.")
+        self._complain(f"{sentence} No branch is flown.")
 
     def _complain(self, sentence: str) -> None:
         self.widgets.take.loading = False

@@ -22,10 +22,9 @@ CHARTS_CSS = """
   height: auto !important }
 """
 TITLE = "<b style='font-size: 15px'>Take the stick</b> &ensp;of flight"
-HELP = "From this moment on, let this policy fly this flight, and see the branch beside the original."
-STEER_HELP = (
-    "From this moment on, fly yourself: arrow keys or mouse set the heading; hand over to a policy at any moment."
-)
+# A tooltip becomes the name of its button, so each begins with the words on the button.
+HELP = "Fly on: from this moment this policy flies; see the branch beside the original"
+STEER_HELP = "I fly: from this moment steer by arrow keys or mouse; hand over to a policy when you like"
 
 
 class StickWidgets:
@@ -43,11 +42,13 @@ class StickWidgets:
         self.problem = pmui.Alert(object="", severity="warning", visible=False, margin=0, sizing_mode="stretch_width")
         self.dial = HeadingDial(margin=0, sizing_mode="stretch_width")
         self.heir = _select("Then flies", {"Nobody: hold the heading": HOLD} | policies, "0 1 260px")
-        self.hand_over = _button("Hand over", "pan_tool", "contained", "End steering; the branch is flown to its end.")
-        self.cancel = _button("Cancel", "close", "text", "Forget what was flown by hand.")
+        self.hand_over = _button(
+            "Hand over", "pan_tool", "contained", "Hand over: end steering; the branch is flown to its end"
+        )
+        self.cancel = _button("Cancel", "close", "text", "Cancel: forget what was flown by hand")
         self.card = pn.pane.HTML("", stylesheets=[BRANCH_CARD_CSS], margin=0, styles={"flex": "1 1 560px"})
         self.steer_on = _button("Steer on", "sports_esports", "outlined", STEER_ON_HELP)
-        self.back = _button("Back to the original", "undo", "outlined", "Remove the branch.")
+        self.back = _button("Back to the original", "undo", "outlined", "Back to the original: remove the branch")
         self.charts = pn.Row(sizing_mode="stretch_width", margin=0, stylesheets=[CHARTS_CSS])
         self._choice, self._live, self._branch = self._rows()
         self.layout = pn.Column(
@@ -84,7 +85,7 @@ class StickWidgets:
         return choice, live, pn.FlexBox(self.card, buttons, **look)
 
 
-STEER_ON_HELP = "Take the stick again where the clock is, or where you handed over if it is later."
+STEER_ON_HELP = "Steer on: take the stick again where the clock is, or at last where you handed over"
 
 
 def _select(label: str, options: dict[str, str], flex: str) -> pmui.Select:

@@ -63,11 +63,28 @@ def noted(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     return values
 
 
-def _execute(callback: Callable[[], Awaitable[None] | None], **_options: Any) -> None:
-    if asyncio.iscoroutinefunction(getattr(callback, "func", callback)):
-        asyncio.run(callback())  # type: ignore[arg-type]
-    else:
-        callback()
+class Scheduled:
+    """Stands in for the session's event loop: what is scheduled runs one after the other, in turn."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Callable[[], Any]] = []
+        self.busy = True
+
+    def __call__(self, callback: Callable[[], Awaitable[None] | None], **_options: Any) -> None:
+        self.waiting.append(callback)
+        if not self.busy:
+            self.run()
+
+    def run(self) -> None:
+        """Do what waits, and from now on what comes."""
+        self.busy = True
+        while self.waiting:
+            callback = self.waiting.pop(0)
+            if asyncio.iscoroutinefunction(getattr(callback, "func", callback)):
+                asyncio.run(callback())
+            else:
+                callback()
+        self.busy = False
 
 
 @pytest.fixture
@@ -82,13 +99,11 @@ def opened(
     def open_page(**query: str) -> FlyPage:
         for module in (fly, fly_stick):
             monkeypatch.setattr(module, "read_query", lambda: QUERY | query)
-        waiting: list[Callable[[], Any]] = []
-        monkeypatch.setattr(state, "execute", lambda callback, **_options: waiting.append(callback))
+        scheduled = Scheduled()
+        monkeypatch.setattr(state, "execute", scheduled)
         page = FlyPage(AppContext(RunStore(tmp_path / "runs"), Recordings(tmp_path / "rrd"), OneScene(server)))
         asyncio.run(page._fly())
-        monkeypatch.setattr(state, "execute", _execute)
-        while waiting:
-            _execute(waiting.pop(0))
+        scheduled.run()
         return page
 
     return open_page
@@ -184,6 +199,18 @@ def test_a_person_flies_and_hands_over(opened: Callable[..., FlyPage], noted: di
     assert "from 2:00 by hand, from 2:3" in stick.widgets.card.object
     assert page._view.frame.camera != "chase-branch"
     assert stick._live is None
+
+
+def test_a_flight_by_hand_is_not_lost_when_nobody_can_take_over(
+    opened: Callable[..., FlyPage], noted: dict[str, str]
+) -> None:
+    stick = _steered(opened())
+    stick.widgets.heir.value = "submas-source-3"  # sees missile 1 alone
+    stick.widgets.hand_over.clicks += 1
+    assert "cannot see missile 2" in stick.widgets.problem.object
+    assert "The last heading is held instead." in stick.widgets.problem.object
+    assert noted["branch"].startswith("A,120,by-hand.")
+    assert "the last heading held" in stick.widgets.card.object
 
 
 def test_a_pause_stops_the_flight_and_notes_it_in_the_address(
