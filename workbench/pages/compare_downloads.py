@@ -21,11 +21,15 @@ class CompareDownloads:
     def __init__(self) -> None:
         self._shown: tuple[Grid, Closely | None, CompareSettings, Mapping[str, str], Mapping[str, str]] | None = None
         makers: dict[str, tuple[str, str, Callable[[], bytes]]] = {
-            "Figures": ("comparison.csv", "Success, return and causes of every policy on every task", self._figures),
-            "Pairs": ("pairs.csv", "The paired table", self._pairs),
-            "Engagements": ("engagements.csv", "Every engagement of the two policies on this task", self._engagements),
-            "PNG": ("comparison.png", "The bars as a picture", lambda: self._picture("png")),
-            "SVG": ("comparison.svg", "The bars as a drawing", lambda: self._picture("svg")),
+            "Figures": (
+                "comparison.csv",
+                "Figures: success, return and causes of every policy on every task",
+                self._figures,
+            ),
+            "Pairs": ("pairs.csv", "Pairs: the paired table", self._pairs),
+            "Engagements": ("engagements.csv", "Engagements: each of the two policies on this task", self._engagements),
+            "PNG": ("comparison.png", "PNG: the bars as a picture", lambda: self._picture("png")),
+            "SVG": ("comparison.svg", "SVG: the bars as a drawing", lambda: self._picture("svg")),
         }
         buttons = [
             pmui.FileDownload(

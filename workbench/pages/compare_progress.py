@@ -73,12 +73,10 @@ class CompareProgress:
         self._bar.visible = self.cancel.visible = bool(pending)
         waiting = [work for work in unflown if work not in pending]
         number = len({work.name for work in waiting})
-        engagements = sum({work.name: work.episodes for work in waiting}.values())
         self.fly.param.update(
             label=f"Fly {number} × {next(iter(waiting)).episodes}" if number else "Nothing left to fly",
             disabled=not number,
         )
-        self.fly.description = f"Fly the {engagements} engagements that are missing" if number else ""
         if not pending:
             self._words.object = idle
             return
