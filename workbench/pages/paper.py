@@ -7,6 +7,7 @@ import html
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
+from urllib.parse import parse_qsl
 
 import panel as pn
 import panel_material_ui as pmui
@@ -55,6 +56,7 @@ class PaperPage:
         self._results = Results(self._source)
         self._seen: object = None
         self._asked = 0
+        self._going = False
         self._wanted = {"number": query.get("number", ""), "hide": query.get("hide", "")}
         name = query.get("section", FIRST)
         if name not in NAMES:
@@ -66,6 +68,7 @@ class PaperPage:
         self._complain(problem)
         self.layout = self._arrange()
         self._contents.param.watch(self._turn, "section")
+        self._contents.param.watch(self._went, "address")
         self._picker.param.watch(self._pick, "value")
         pn.state.onload(self._load)
         callback = pn.state.add_periodic_callback(self._tick, TICK_MS)
@@ -93,8 +96,23 @@ class PaperPage:
     # What is shown follows the section, the folder of results, and the files in it.
 
     def _turn(self, event: Any) -> None:
-        self._wanted = {"number": "", "hide": ""}
-        write_query(section="" if event.new == FIRST else event.new, number="", hide="")
+        if not self._going:
+            self._wanted = {"number": "", "hide": ""}
+            write_query(section="" if event.new == FIRST else event.new, number="", hide="")
+            pn.state.execute(self._show, schedule=True)
+
+    def _went(self, event: Any) -> None:
+        """Follow the browser back or forth; nothing is written, or it would be a new way and the other one lost."""
+        if pn.state.location is not None:
+            pn.state.location.search = event.new
+        query = dict(parse_qsl(event.new.removeprefix("?")))
+        name = query.get("section", FIRST)
+        self._wanted = {"number": query.get("number", ""), "hide": query.get("hide", "")}
+        self._going = True
+        self._contents.section = name if name in NAMES else FIRST
+        self._going = False
+        if query.get("results", "") in self._picker.options.values():
+            self._picker.value = query["results"]
         pn.state.execute(self._show, schedule=True)
 
     def _pick(self, event: Any) -> None:

@@ -2,7 +2,6 @@
 export function render({model}) {
   const root = document.createElement("nav")
   root.setAttribute("aria-label", "Tables and figures")
-  const wanted = () => new URLSearchParams(window.location.search).get("section") || model.items[0].name
 
   function draw() {
     const focused = [...root.children].indexOf(root.getRootNode().activeElement)
@@ -32,7 +31,7 @@ export function render({model}) {
         if (each.type === "panel.models.location.Location") { each.setv({search: window.location.search}, {silent: true}) }
       }
     }
-    if (model.items.some((item) => item.name === wanted())) { model.section = wanted() }
+    model.address = window.location.search
   }
 
   function hash() {

@@ -14,6 +14,7 @@ class PaperContents(JSComponent):
 
     items = param.List(default=[], item_type=dict, doc="name, title, sub, hint and state (code, done, part, none)")
     section = param.String(default="", doc="name of the section that is shown")
+    address = param.String(default="", doc="query that the browser went back or forth to")
 
     _esm = Path(__file__).with_suffix(".js")
     _stylesheets: ClassVar[list[Any]] = [

@@ -334,6 +334,16 @@ def test_the_address_opens_section_results_and_number(opened: tuple[PaperPage, d
     assert len(page._main) == 4
 
 
+def test_back_and_forth_write_no_address(opened: tuple[PaperPage, dict[str, str]]) -> None:
+    page, address = opened
+    before = dict(address)
+    page._contents.address = "?results=fast-here&section=fig8&hide=dec-pd"
+    assert page._contents.section == "fig8" and page._wanted["hide"] == "dec-pd"
+    page._contents.address = "?results=fast-here&section=nonsense"
+    assert page._contents.section == "overview"
+    assert address == before
+
+
 def test_a_tapped_dot_tells_where_it_comes_from(opened: tuple[PaperPage, dict[str, str]]) -> None:
     page, address = opened
     prepared = prepare("table4", page._results, set())
