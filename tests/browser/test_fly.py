@@ -51,6 +51,70 @@ def test_playing_moves_the_clock(visitor: Page, served: Served) -> None:
     expect(visitor.locator(".clock .now")).not_to_have_text("0:00", timeout=SLOW_MS)
 
 
+def test_keys_and_buttons_step_and_leap_and_the_sheet_tells_of_them(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?seed=7&t=100")
+    now = visitor.locator(".clock .now")
+    expect(now).to_have_text("1:40")
+    visitor.keyboard.press("ArrowRight")
+    expect(now).to_have_text("1:41")
+    visitor.get_by_role("button", name="One step back").click()
+    expect(now).to_have_text("1:40")
+    visitor.keyboard.press("Shift+ArrowRight")
+    expect(now).to_have_text("1:50")
+    first = visitor.locator(".events .when").first.inner_text()
+    visitor.keyboard.press("]")
+    expect(now).to_have_text(first)
+    visitor.keyboard.press("?")
+    sheet = visitor.get_by_role("dialog", name="Keys and symbols")
+    expect(sheet.get_by_text("one decision step (1 s) back, on")).to_be_visible()
+    visitor.keyboard.press("ArrowRight")
+    expect(now).to_have_text(first)
+    visitor.keyboard.press("Escape")
+    expect(sheet).to_be_hidden()
+
+
+def test_the_read_outs_follow_the_clock_and_tell_where_transfer_is_prevented(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?seed=2&t=100")
+    mine = visitor.get_by_role("region", name="Read-outs of flight A")
+    expect(mine).to_contain_text("transfer allowed")
+    expect(visitor.get_by_role("region", name="Read-outs of flight B")).not_to_contain_text("transfer")
+    of_a = visitor.locator(".who", has_text=re.compile("^A$"))
+    visitor.locator(".events button.launch", has_text="missile 4").filter(has=of_a).click()
+    for _ in range(2):
+        visitor.keyboard.press("ArrowRight")
+    expect(mine).to_contain_text("transfer prevented")
+    expect(mine.locator(".line.flying .closure").first).to_contain_text("m/s")
+    visitor.get_by_role("button", name="Read-outs", exact=True).click()
+    expect(mine).to_be_hidden()
+    expect(visitor).to_have_url(re.compile("hide=readouts"), timeout=SLOW_MS)
+
+
+def test_a_curve_sets_the_clock_and_both_flights_share_a_figure_if_wished(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?seed=2&curves=over&camera=top")
+    figures = visitor.locator(".bk-Figure")
+    expect(figures).to_have_count(1)
+    expect(visitor.get_by_role("button", name="Top", exact=True)).to_have_attribute("aria-pressed", "true")
+    figures.first.scroll_into_view_if_needed()
+    box = figures.first.bounding_box()
+    assert box is not None
+    place = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    visitor.mouse.click(*place)
+    now = visitor.locator(".clock .now")
+    expect(now).not_to_have_text("0:00")
+    # The clock's line stands where the curve was clicked.
+    line = figures.first.locator("i[aria-hidden]").first.bounding_box()
+    assert line is not None
+    assert abs(line["x"] - place[0]) < 3
+    visitor.get_by_role("button", name="Side by side").click()
+    expect(figures).to_have_count(2)
+    expect(visitor).not_to_have_url(re.compile("curves="), timeout=SLOW_MS)
+    visitor.locator("body").press("c")
+    expect(visitor).to_have_url(re.compile("camera=chase-a"), timeout=SLOW_MS)
+    visitor.reload()
+    expect(visitor.locator(".card.exit, .card.failed")).to_have_count(2, timeout=SLOW_MS)
+    expect(visitor.get_by_role("button", name="Chase A")).to_have_attribute("aria-pressed", "true")
+
+
 def test_figures_can_be_taken_home(visitor: Page, served: Served) -> None:
     _open(visitor, served)
     visitor.locator(".bk-Figure").first.hover()

@@ -10,7 +10,7 @@ import pytest
 
 from layouts.closure import closure_columns, closure_m_s
 from layouts.controls import GuideTrace, action_columns, load_factor, prevented_bands
-from layouts.energy import GRAVITY_M_S2, energy_colours, energy_height_m, energy_share
+from layouts.energy import energy_colours, energy_height_m, energy_share
 from layouts.instruments import instrument_series
 from layouts.overlay import overlay
 from layouts.rewards import paid_columns
@@ -19,6 +19,8 @@ from layouts.theme import DARK, LIGHT, POLICY_A, POLICY_B
 from sim.trajectory import BodyTrack
 from sim.world import Outcome
 from tests.layouts.sample import SPEED_M_S, sample_flight
+
+GRAVITY_M_S2 = 9.80665
 
 
 def test_a_missile_closes_at_the_rate_at_which_its_range_shrinks() -> None:
