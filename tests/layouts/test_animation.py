@@ -99,3 +99,4 @@ def test_a_picture_of_a_name_in_another_script_draws_without_a_warning() -> None
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         next(pictures([replace(sample_flight(), policy="防御 🚀 策略")], HOLD_S + 0.3, 10, 360))
+    assert not any("Last Resort" in family for family in picture_text("防御 🚀 策略")[1]), "boxes, without a warning"
