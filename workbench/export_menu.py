@@ -22,7 +22,7 @@ DRAWN = frozenset({".gif", ".mp4"})
 """Formats that take many seconds: made by a process of their own, which flies the same engagements again."""
 
 CHOICES = (
-    (".html", "AB", "Replay of both, opens without a server", "html"),
+    (".html", "AB", "Replay of both, for any browser", "html"),
     (".gif", "AB", "Animation of both", "gif"),
     (".mp4", "AB", "Film of both", "mp4"),
     (".rrd", "AB", "Recording of both for Rerun", "rrd"),
