@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import html
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -250,7 +251,7 @@ class RunsPage:
             "group": settings.group, "trash": search.trashed, "ticked": len(settings.shown_runs),
             "counted": self._counted(listed),
         }  # fmt: skip
-        return values if listed is None else {**values, "facets": listed.facets}
+        return values if listed is None else {**values, "facets": json.dumps(listed.facets)}
 
     def _counted(self, listed: RunsList | None) -> str:
         if self._index.reading:
@@ -268,8 +269,8 @@ class RunsPage:
         lines = listed.listing
         empty = NONE_FOUND if lines.everything else NO_TRASH if settings.search.trashed else NO_RUNS
         return {
-            **values, "lines": lines.lines, "offset": lines.offset, "total": lines.total, "pinned": listed.pinned,
-            "empty": empty,
+            **values, "lines": json.dumps(lines.lines), "offset": lines.offset, "total": lines.total,
+            "pinned": json.dumps(listed.pinned), "empty": empty,
         }  # fmt: skip
 
 

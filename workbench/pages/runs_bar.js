@@ -41,8 +41,9 @@ export function render({model}) {
   }
 
   const buttons = new Map(), lists = new Map()
+  let offered = []
   function label(name) {
-    const facet = model.facets.find((each) => each.name === name), number = (model.chosen[name] ?? []).length
+    const facet = offered.find((each) => each.name === name), number = (model.chosen[name] ?? []).length
     const button = buttons.get(name)
     button.textContent = number ? `${facet.title}: ${number === 1 ? model.chosen[name][0] : number}` : facet.title
     button.classList.toggle("on", number > 0)
@@ -95,7 +96,8 @@ export function render({model}) {
   }
 
   function draw() {
-    model.facets.forEach(drawFacet)
+    offered = JSON.parse(model.facets)
+    offered.forEach(drawFacet)
     if (group.options.length !== Object.keys(model.groups).length) {
       group.replaceChildren(...Object.entries(model.groups).map(([value, words]) => make("option", "", null, {value}, words)))
     }

@@ -58,12 +58,13 @@ export function render({model}) {
   const view = make("div", "view", root, {role: "rowgroup"})
   const sheet = make("div", "sheet", view)
   const nothing = make("div", "nothing", view)
-  let columns = [], shape = "", drawing = 0, waiting = 0
+  const every = JSON.parse(model.columns)
+  let lines = [], columns = [], shape = "", drawing = 0, waiting = 0
   const ask = (what, key) => { model.asked = [what, key, model.asked[2] + 1] }
 
   function chooseColumns() {
     const width = root.clientWidth || 1200
-    columns = model.columns.filter((column) => !column.least || width >= column.least)
+    columns = every.filter((column) => !column.least || width >= column.least)
     const wanted = columns.map((c) => c.grow ? `minmax(${c.width}px, ${c.grow}fr)` : `${c.width}px`).join(" ")
     if (wanted === shape) { return }
     shape = wanted
@@ -128,9 +129,11 @@ export function render({model}) {
   function draw() {
     drawing = 0
     chooseColumns()
-    top.replaceChildren(...(model.pinned ? [rowOf(model.pinned, -1)] : []))
+    lines = JSON.parse(model.lines)
+    const pinned = JSON.parse(model.pinned)
+    top.replaceChildren(...(pinned ? [rowOf(pinned, -1)] : []))
     sheet.style.height = `${model.total * LINE}px`
-    sheet.replaceChildren(...model.lines.map((line, index) => {
+    sheet.replaceChildren(...lines.map((line, index) => {
       const row = rowOf(line, model.offset + index)
       row.style.top = `${(model.offset + index) * LINE}px`
       return row
@@ -138,7 +141,7 @@ export function render({model}) {
     nothing.textContent = model.total ? "" : model.empty
     nothing.hidden = model.total > 0
     root.setAttribute("aria-rowcount", String(model.total + 1))
-    const at = model.lines.findIndex((line) => line.key === model.focused)
+    const at = lines.findIndex((line) => line.key === model.focused)
     at < 0 ? root.removeAttribute("aria-activedescendant") : root.setAttribute("aria-activedescendant", `${id}-${model.offset + at}`)
     scrolled()
   }
@@ -146,19 +149,19 @@ export function render({model}) {
 
   function scrolled() {
     const first = Math.floor(view.scrollTop / LINE), last = Math.min(first + Math.ceil(view.clientHeight / LINE), model.total)
-    const held = [model.offset + (model.offset ? AHEAD : 0), model.offset + model.lines.length - (model.offset + model.lines.length < model.total ? AHEAD : 0)]
+    const held = [model.offset + (model.offset ? AHEAD : 0), model.offset + lines.length - (model.offset + lines.length < model.total ? AHEAD : 0)]
     if (first >= held[0] && last <= held[1]) { return }
     clearTimeout(waiting)
     waiting = setTimeout(() => { model.first = first }, 40)
   }
 
   function move(by) {
-    const runs = model.lines.filter((line) => line.kind === "run")
+    const runs = lines.filter((line) => line.kind === "run")
     const at = runs.findIndex((line) => line.key === model.focused)
     const next = runs[at < 0 ? 0 : Math.min(Math.max(at + by, 0), runs.length - 1)]
     if (!next) { return }
     model.focused = next.key
-    const place = (model.offset + model.lines.indexOf(next)) * LINE
+    const place = (model.offset + lines.indexOf(next)) * LINE
     if (place < view.scrollTop) { view.scrollTop = place }
     if (place + LINE > view.scrollTop + view.clientHeight) { view.scrollTop = place + LINE - view.clientHeight }
   }

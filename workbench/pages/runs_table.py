@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -31,13 +32,16 @@ TABLE_HEIGHT = 380
 
 
 class RunsTable(JSComponent):
-    """A window of lines. Scrolling asks for another one; clicks and keys say what is ticked, opened, read about."""
+    """A window of lines. Scrolling asks for another one; clicks and keys say what is ticked, opened, read about.
 
-    columns = param.List(default=list(COLUMNS))
-    lines = param.List(default=[], doc="the window: dicts as `runs_lines` makes them; every text is shown as text")
+    What is large travels as JSON text: Panel and Bokeh walk through every value of a list or dict at every change.
+    """
+
+    columns = param.String(default=json.dumps(COLUMNS))
+    lines = param.String(default="[]", doc="the window: dicts as `runs_lines` makes them; every text is shown as text")
     offset = param.Integer(default=0, doc="number of the first line of the window")
     total = param.Integer(default=0, doc="number of all lines")
-    pinned = param.Dict(default=None, allow_None=True, doc="the line above all others")
+    pinned = param.String(default="null", doc="the line above all others")
     first = param.Integer(default=0, doc="number of the first line in view; set by the browser")
     sort = param.String(default="", doc="key, with a minus before it for falling; set by the browser")
     focused = param.String(default="", doc="key of the run that is read about; set by the browser")
