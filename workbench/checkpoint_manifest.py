@@ -7,13 +7,12 @@ import hashlib
 import json
 import os
 import re
-import stat
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from sim.errors import SubMasError
-from workbench.run_files import RunFileError, read_json, write_bytes
+from workbench.run_files import RunFileError, open_plain, read_json, write_bytes
 
 SCHEMA = 1
 PART_NAME = re.compile(r"(state|replay)-[0-9]{6}(-[0-9])?\.safetensors")
@@ -96,7 +95,7 @@ def read_manifest(folder: Path, number: int, run: str) -> Manifest:
     """
     path = folder / manifest_name(number)
     try:
-        content = read_json(path)
+        content = read_json(path, follow=False)
     except RunFileError as error:
         raise CheckpointError(str(error)) from error
     manifest = _parse(path.name, content)
@@ -137,15 +136,6 @@ def _check_part(folder: Path, part: Part) -> None:
                 raise CheckpointError(f"{part.name} is damaged: its digest does not match")
     except OSError as error:
         raise CheckpointError(f"{part.name} cannot be read: {error.strerror}") from error
-
-
-def open_plain(path: Path) -> Any:
-    """A file opened for reading; links, pipes and folders in its place are refused with an OSError."""
-    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
-    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-        os.close(descriptor)
-        raise OSError(0, "it is not a plain file")
-    return os.fdopen(descriptor, "rb")
 
 
 def _digest(content: dict[str, Any]) -> str:

@@ -25,10 +25,9 @@ from workbench.checkpoint_manifest import (
     Part,
     manifest_name,
     manifest_numbers,
-    open_plain,
     read_manifest,
 )
-from workbench.run_files import RunFileError, write_bytes
+from workbench.run_files import RunFileError, open_plain, write_bytes
 
 if TYPE_CHECKING:
     from agents.replay import StoredSlots

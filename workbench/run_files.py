@@ -7,14 +7,16 @@ for policies.
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import json
 import math
 import os
+import stat
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from agents.disk import append, replace_file
 from sim.errors import SubMasError
@@ -58,10 +60,25 @@ def _no_constant(name: str) -> None:
     raise ValueError(f"{name} is not a JSON number")
 
 
-def read_json(path: Path) -> dict[str, Any]:
+def open_plain(path: Path, *, follow: bool = False) -> BinaryIO:
+    """A file opened for reading.
+
+    Raises:
+        OSError: it is missing, or something else in its place: a pipe would make the reader wait for ever.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | (0 if follow else os.O_NOFOLLOW))
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return os.fdopen(descriptor, "rb")
+    os.close(descriptor)
+    code = errno.EISDIR if stat.S_ISDIR(mode) else errno.EINVAL
+    raise OSError(code, os.strerror(code) if code == errno.EISDIR else "Not a plain file")
+
+
+def read_json(path: Path, *, follow: bool = True) -> dict[str, Any]:
     """The JSON object in `path`; RunFileError when it is missing, too large, or anything else."""
     try:
-        with path.open("rb") as file:
+        with open_plain(path, follow=follow) as file:
             data = file.read(JSON_LIMIT_BYTES + 1)
     except OSError as error:
         raise RunFileError(f"{path.name} cannot be read: {error.strerror}") from error
@@ -142,7 +159,7 @@ class LineReader:
 
     def _read_chunk(self, rows: list[dict[str, Any]]) -> bytes:
         try:
-            with self.path.open("rb") as file:
+            with open_plain(self.path, follow=True) as file:
                 self._recognise(os.fstat(file.fileno()).st_ino, rows)
                 file.seek(self._offset)
                 chunk = file.read(READ_LIMIT_BYTES)

@@ -12,7 +12,7 @@ from workbench import launcher, pulse, training
 from workbench.recorder import RunRecorder
 from workbench.runs import Run, RunStore
 
-EPOCHS = 8
+EPOCHS = 6
 
 
 def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot | None) -> None:

@@ -102,7 +102,7 @@ def test_a_step_that_is_refused_is_an_error_and_never_silence(store: RunStore, w
         train(run, store)
     for at in range(1, counting.steps + 1):
         run = new_run(store)
-        with installed(RefusingDisk(at, errno.EACCES)), pytest.raises((RunFileError, OSError), match="."):
+        with installed(RefusingDisk(at, errno.EACCES)), pytest.raises((RunFileError, OSError)):
             train(run, store)
         assert not [name for name in files(run) if name.endswith(".tmp")]
         revive(run)
