@@ -30,7 +30,7 @@ USUAL_SHARE = 0.75
 NEARLY = 0.99
 RANGES, ASPECTS = 30, 48
 """Cells of a map of survival, outwards and around."""
-NEAREST_M, BEYOND = 2e3, 1.35
+NEAREST_M, BEYOND = 2e3, 1.0
 """Its first range, and its last one as a multiple of the scenario's launch range."""
 TRACK_STEPS = 8
 """A track on a small picture has a point every so many decision steps."""

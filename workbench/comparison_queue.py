@@ -5,12 +5,12 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import subprocess
 import sys
-from asyncio.subprocess import PIPE, Process
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from workbench.comparison import Work
 from workbench.comparison_cache import ComparisonCache
@@ -35,6 +35,58 @@ class Standing:
     error: str = ""
 
 
+@dataclass(frozen=True)
+class Worker:
+    """A process of `workbench.comparison_worker`.
+
+    Not one of asyncio's: a server that ends while such a process comes up would wait for it for ever.
+    """
+
+    process: subprocess.Popen[bytes]
+    said: asyncio.StreamReader
+    pipe: asyncio.ReadTransport
+
+    @classmethod
+    async def start(cls, runs: Path, folder: Path) -> Worker:
+        """A new process for this runs folder, whose results go into this folder."""
+        process = subprocess.Popen(
+            [sys.executable, *ENTRY, str(runs), str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            env=environment(), start_new_session=True,
+        )  # fmt: skip
+        said = asyncio.StreamReader()
+        try:
+            pipe, _ = await asyncio.get_running_loop().connect_read_pipe(
+                lambda: asyncio.StreamReaderProtocol(said), process.stdout
+            )
+        except BaseException:
+            process.kill()
+            process.communicate()
+            raise
+        return cls(process, said, pipe)
+
+    def ask(self, work: Work) -> None:
+        """Give it a piece of work; one that has ended does not answer."""
+        asked = self.process.stdin
+        assert asked is not None
+        with contextlib.suppress(BrokenPipeError):
+            asked.write((json.dumps(work.to_json()) + "\n").encode())
+            asked.flush()
+
+    async def answer(self) -> dict[str, Any] | None:
+        """What it says next; None when it has ended."""
+        line = await self.said.readline()
+        return json.loads(line) if line.endswith(b"\n") else None
+
+    def end(self) -> None:
+        """End it."""
+        self.process.kill()
+        with contextlib.suppress(BrokenPipeError):
+            if self.process.stdin is not None:
+                self.process.stdin.close()
+        self.pipe.close()
+        self.process.wait()
+
+
 class ComparisonQueue:
     """Belongs to one server, and to its event loop: pages ask for work and look how it stands."""
 
@@ -43,7 +95,7 @@ class ComparisonQueue:
         self._runs, self._limit = runs, workers or cpu_count()
         self._standing: dict[Work, Standing] = {}
         self._waiting: list[Work] = []
-        self._flying: dict[Work, Process] = {}
+        self._flying: dict[Work, Worker] = {}
         self._workers: set[asyncio.Task[None]] = set()
         self._news = asyncio.Event()
 
@@ -66,8 +118,8 @@ class ComparisonQueue:
                 continue
             if work in self._waiting:
                 self._waiting.remove(work)
-            if (process := self._flying.get(work)) is not None:
-                _kill(process)
+            if (worker := self._flying.get(work)) is not None:
+                worker.process.kill()
 
     def standing(self, work: Work) -> Standing | None:
         """How it stands; None when it has its result or was never asked for."""
@@ -87,17 +139,16 @@ class ComparisonQueue:
 
     async def _work(self) -> None:
         """One worker: a process, restarted when it was ended, until nothing has been left to do for a while."""
-        process: Process | None = None
+        worker: Worker | None = None
         try:
             while (work := await self._next()) is not None:
-                if process is None or process.returncode is not None:
-                    process = await self._start()
-                if self._standing.get(work) is None:  # dropped while the process came up
-                    continue
-                await self._fly(work, process)
+                if worker is None or worker.process.poll() is not None:
+                    worker = await Worker.start(self._runs, self.cache.folder)
+                if self._standing.get(work) is not None:  # else it was dropped while the process came up
+                    await self._fly(work, worker)
         finally:
-            if process is not None:
-                await _end(process)
+            if worker is not None:
+                worker.end()
 
     async def _next(self) -> Work | None:
         while not self._waiting:
@@ -109,34 +160,19 @@ class ComparisonQueue:
                 return None
         return self._waiting.pop(0)
 
-    async def _start(self) -> Process:
-        command = [sys.executable, *ENTRY, str(self._runs), str(self.cache.folder)]
-        starting = asyncio.ensure_future(
-            asyncio.create_subprocess_exec(
-                *command, stdin=PIPE, stdout=PIPE, stderr=None, env=environment(), start_new_session=True
-            )
-        )
-        try:
-            return await asyncio.shield(starting)
-        except asyncio.CancelledError:
-            await _end(await starting)  # or it would outlive the server
-            raise
-
-    async def _fly(self, work: Work, process: Process) -> None:
-        assert process.stdin is not None and process.stdout is not None
+    async def _fly(self, work: Work, worker: Worker) -> None:
         standing = self._standing[work]
-        standing.state, self._flying[work] = "flying", process
+        standing.state, self._flying[work] = "flying", worker
+        error = "the process that flew it ended"
         try:
-            process.stdin.write((json.dumps(work.to_json()) + "\n").encode())
-            error = "the process that flew it ended"
-            while line := await process.stdout.readline():
-                said = json.loads(line)
+            worker.ask(work)
+            while said := await worker.answer():
                 if "share" not in said:
                     error = said.get("error", "")
                     break
                 standing.share = said["share"]
             else:
-                await process.wait()
+                worker.end()
         finally:
             del self._flying[work]
         # Dropped work is forgotten, and asked for again it stands anew: what ended was not that.
@@ -152,15 +188,3 @@ class ComparisonQueue:
         failed = [one for one, standing in self._standing.items() if standing.state == "failed"]
         for one in failed[:-ERRORS_KEPT]:
             del self._standing[one]
-
-
-def _kill(process: Process) -> None:
-    with contextlib.suppress(ProcessLookupError):
-        process.kill()
-
-
-async def _end(process: Process) -> None:
-    _kill(process)
-    if process.stdin is not None:
-        process.stdin.close()
-    await process.wait()

@@ -23,6 +23,7 @@ PAIR = "policies=expert-dragging,expert-navigation&tasks=source-3&episodes=40&se
 @pytest.fixture
 def comparing(visitor: Page, served: Served) -> Iterator[Page]:
     """The two rules compared; their engagements fly of their own accord."""
+    visitor.set_default_timeout(SLOW_MS)
     visitor.goto(f"{served.address}/compare?{PAIR}")
     expect(visitor.locator("a.shot").first).to_be_visible(timeout=SLOW_MS)
     yield visitor
@@ -95,7 +96,7 @@ def test_tables_and_pictures_can_be_taken_home(comparing: Page, tmp_path: Path) 
             comparing.get_by_role("button", name=re.compile(f"^{label}")).click()
         assert download.value.suggested_filename == name
         download.value.save_as(tmp_path / name)
-    rows = list(csv.DictReader((tmp_path / "engagements.csv").open()))
+    rows = list(csv.DictReader((tmp_path / "engagements.csv").read_text().splitlines()))
     assert len(rows) == 80 and {row["outcome"] for row in rows} >= {"exit", "shot_down"}
     assert "<svg" in (tmp_path / "comparison.svg").read_text()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -68,10 +69,10 @@ def test_what_is_dropped_ends_and_leaves_no_result(store: RunStore, cache: Compa
             while queue.state(long) != "flying":
                 await asyncio.sleep(0.02)
             assert queue.state(waiting) == "waiting"
-            process = queue._flying[long]
+            process = queue._flying[long].process
             queue.drop([long, waiting])
             assert queue.standing(long) is None and queue.standing(waiting) is None
-            assert await process.wait() != 0
+            assert process.wait(PATIENCE_S) != 0
         await queue.close()
 
     asyncio.run(story())
@@ -89,7 +90,7 @@ def test_a_worker_that_dies_is_told_of_and_its_work_can_be_asked_for_again(
         async with asyncio.timeout(PATIENCE_S):
             while queue.state(work) != "flying":
                 await asyncio.sleep(0.02)
-            queue._flying[work].kill()
+            queue._flying[work].process.kill()
             while queue.state(work) != "failed":
                 await asyncio.sleep(0.02)
         standing = queue.standing(work)
@@ -131,3 +132,18 @@ def test_a_result_of_other_code_is_not_waited_for_again_and_again(
     _until(queue, [work], over)
     assert "start it again" in told[-1]
     assert not cache.has(work) and len(list(cache.folder.iterdir())) == 1
+
+
+@pytest.mark.parametrize("after", ["", "waiting", "flying"])
+def test_a_server_that_ends_takes_its_workers_along(store: RunStore, cache: ComparisonCache, after: str) -> None:
+    work, queue = _work(store, episodes=10_000), ComparisonQueue(store.root, cache, workers=1)
+
+    async def story() -> subprocess.Popen[bytes] | None:
+        queue.want([work])
+        while after and queue.state(work) != after:
+            await asyncio.sleep(0.02)
+        await asyncio.sleep(0.0 if not after else 0.02)
+        return queue._flying[work].process if queue._flying else None
+
+    process = asyncio.run(story())  # returns: nothing is waited for
+    assert process is None or process.returncode is not None

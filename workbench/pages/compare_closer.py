@@ -24,7 +24,7 @@ SIDE_BY_SIDE = """
 :host { display: grid !important; grid-template-columns: minmax(0, 1fr) auto auto; gap: 10px 22px;
   height: auto !important }
 @media (max-width: 1300px) { :host { grid-template-columns: auto auto }
-  :host > :first-child { grid-column: 1 / -1 } }
+  .pairs { grid-column: 1 / -1 } }
 """
 
 
@@ -37,7 +37,7 @@ class CompareCloser:
         )
         self._maps = [survival_chart(name, MAP_SIZE) for name in ("first", "second")]
         panes = [pn.pane.Bokeh(chart.figure, sizing_mode="fixed", margin=0) for chart in self._maps]
-        self._pairs.styles = {"overflow-x": "auto"}
+        self._pairs.param.update(styles={"overflow-x": "auto"}, css_classes=["pairs"])
         self.layout = pn.Column(
             pn.Row(self._pairs, *panes, sizing_mode="stretch_width", margin=0, stylesheets=[SIDE_BY_SIDE]),
             self._gallery,
