@@ -117,17 +117,17 @@ def _stick(page: FlyPage, time_s: float = 0.0, of: str = "A") -> FlyStick:
 
 def test_the_other_policy_flies_on_and_is_told_of(opened: Callable[..., FlyPage], noted: dict[str, str]) -> None:
     page = opened()
-    stick = _stick(page, 200.4, "B")
+    stick = _stick(page, 330.4, "B")  # missiles have been fired before
     assert stick.widgets.who.value == "expert-navigation"
-    assert "3:20" in stick.widgets.moment.object
+    assert "5:30" in stick.widgets.moment.object
     stick.widgets.take.clicks += 1
-    assert noted["branch"] == "B,200,expert-navigation"
+    assert noted["branch"] == "B,330,expert-navigation"
     card = stick.widgets.card.object
     assert "B′" in card
-    assert "from 3:20 Navigation (expert)" in card
+    assert "from 5:30 Navigation (expert)" in card
     rows = [row for row in page._events.events if row["who"] == "B′"]
     assert rows
-    assert all(row["time"] > 200.0 for row in rows)
+    assert all(row["time"] > 330.0 for row in rows)
     assert {row["who_colour"] for row in rows} == {BRANCH}
     assert {mark["who"] for mark in page._clock.marks} == {"A", "B"}
     assert page._view.frame.branch
