@@ -12,8 +12,8 @@ from workbench.runs import Run, RunStore
 Key = tuple[tuple[str, Any], ...]
 """What two trainings have in common that must give the same policy."""
 
-_RANK = {"finished": 0, "running": 1, "queued": 2}
-_ENDED_EARLY = 3
+_RANK = {"finished": 0, "running": 1, "stalled": 1, "queued": 2, "interrupted": 3, "paused": 3, "stopped": 3}
+_FAILED = 4
 
 
 def training_key(config: TrainingConfig) -> Key:
@@ -30,7 +30,7 @@ def training_key(config: TrainingConfig) -> Key:
 
 
 def matching_runs(store: RunStore, keys: Iterable[Key], scenario_digest: str) -> dict[Key, Run]:
-    """For each of these trainings the run that is furthest: finished, running, queued, or ended early; newest first.
+    """For each of these trainings the run that is furthest: finished, running, queued, halted, or failed; newest first.
 
     A finished run counts only if it was trained in this very scenario and still has the policies of all its stages:
     runs may have been copied together from several folders.
@@ -40,7 +40,7 @@ def matching_runs(store: RunStore, keys: Iterable[Key], scenario_digest: str) ->
     for run in store.list():
         if run.problem or (key := training_key(run.config)) not in wanted:
             continue
-        rank = _RANK.get(run.state.state, _ENDED_EARLY)
+        rank = _RANK.get(run.state.state, _FAILED)
         if rank == 0 and (_trained_in(run) != scenario_digest or not _whole(run)):
             continue
         if key not in found or rank < found[key][0]:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Sequence
 
 from agents.config import TrainingConfig
-from workbench.launcher import cpu_count, drain, launch
+from workbench.launcher import cpu_count, drain, launch, resume
 from workbench.reproduce.assembly import Ended
 from workbench.reproduce.matching import Key, matching_runs, training_key
 from workbench.reproduce.plan import Plan
 from workbench.reproduce.protocol import LABELS
 from workbench.reproduce.provenance import file_digest
 from workbench.reproduce.stage_curves import stage_records
-from workbench.runs import Run, RunStore
+from workbench.runs import Run, RunBusyError, RunStore
+
+HALTED = ("interrupted", "paused", "stopped")
 
 
 class Trainings:
@@ -25,6 +28,8 @@ class Trainings:
         """Queued or running."""
         self._store = store
         self._scenario_digest = scenario_digest
+        self._halted: dict[Key, Run] = {}
+        """Interrupted, paused or stopped: these go on where they were."""
         self._followed: dict[Key, str] = {}
         """Runs seen alive in this session: these are not started a second time, however they end."""
 
@@ -49,6 +54,7 @@ class Trainings:
         runs = matching_runs(self._store, self.missing + list(self.alive), self._scenario_digest)
         self.alive = {key: run for key, run in runs.items() if run.state.active}
         self._followed |= {key: run.id for key, run in self.alive.items()}
+        self._halted = {key: run for key, run in runs.items() if run.state.state in HALTED}
         news = list(self._settle(runs))
         self._start()
         return news
@@ -68,8 +74,16 @@ class Trainings:
         drain(self._store)
         free = max(cpu_count() - self.busy(), 0)
         for key in self.missing[:free]:
-            self.alive[key] = launch(self._store, self.configs[key])
+            self.alive[key] = self._begin(key)
             self._followed[key] = self.alive[key].id
+
+    def _begin(self, key: Key) -> Run:
+        halted = self._halted.get(key)
+        if halted is None:
+            return launch(self._store, self.configs[key])
+        with contextlib.suppress(RunBusyError):  # somebody else was quicker
+            resume(self._store, halted)
+        return halted
 
     def _good_runs(self) -> list[Run]:
         return [run for run in self._store.list() if not run.problem]

@@ -20,7 +20,7 @@ from workbench.runs import Run, RunStore
 EPOCHS = 2
 
 
-def learn(run: Run, store: RunStore, recorder: RunRecorder) -> None:
+def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: object) -> None:
     config, told = run.config, json.loads((store.root / "told.json").read_text())
     word = told.get(f"{config.variant} {config.seed}")
     tasks = ("source-3", "source-2", "source-1", "target") if config.curriculum else ("target",)

@@ -141,7 +141,10 @@ def test_a_failed_training_is_told_and_holds_nothing_up(store: RunStore) -> None
     tell(store)
     assert not reproduce(store).failures
     assert {number.variant for number in written(store).numbers} == {"submas", "td3", "sac"}
-    assert len(store.list()) == 5  # the good one was kept, the two others were trained anew
+    # The good one was kept, the failed one trained anew, and the interrupted one went on.
+    assert len(store.list()) == 4
+    (resumed,) = [run for run in store.list() if run.config.variant == "sac"]
+    assert (resumed.state.state, resumed.state.resumes) == ("finished", 1)
 
 
 def test_a_policy_that_cannot_be_evaluated_is_told_ppo(store: RunStore) -> None:
