@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from pathlib import Path
 from typing import Any
 
 from sim.errors import SubMasError
-
-NICE = 10
-"""The page and the trainings come first."""
 
 
 def make(order: dict[str, Any]) -> None:
@@ -35,7 +31,6 @@ def make(order: dict[str, Any]) -> None:
 
 def main() -> int:
     """One order as JSON; a failure is one sentence on standard error."""
-    os.nice(NICE)
     try:
         make(json.loads(sys.argv[1]))
     except SubMasError as error:

@@ -113,5 +113,6 @@ class ExportMenu(JSComponent):
             done, total = (int(word) for word in line.split())
             begin = begin or time.monotonic()
             left_s = (time.monotonic() - begin) / max(done - 1, 1) * (total - done)
-            words = f"Drawing {suffix}: {100 * done // total} %, about {left_s:.0f} s left"
+            left = f", about {left_s:.0f} s left" if done > 1 else ""
+            words = f"Drawing {suffix}: {100 * done // total} %{left}"
             self.param.update(busy=words, share=done / total)
