@@ -36,12 +36,19 @@ export function render({model}) {
   const root = document.createElement("div")
   let time = 0, found = [], looked = -1e9
 
+  function forget({line, curves}) {
+    line.remove()
+    for (const {dot} of curves) { dot?.remove() }
+  }
+
   function look(stamp) {
     if (stamp - looked < LOOK_MS) { return }
     looked = stamp
     const wanted = (view) => view.frame && view.canvas_view?.overlays_el && view.model.tags?.includes?.(model.tag)
     const present = new Set(globalThis.Bokeh?.index.query(wanted) ?? [])
-    found = found.filter((one) => present.has(one.plot) && one.line.isConnected)
+    const lost = found.filter((one) => !present.has(one.plot) || !one.line.isConnected)
+    for (const one of lost) { forget(one) }
+    found = found.filter((one) => !lost.includes(one))
     const known = new Set(found.map((one) => one.plot))
     for (const plot of present) {
       if (known.has(plot)) { continue }
@@ -73,7 +80,7 @@ export function render({model}) {
     for (const {plot, line, curves} of found) {
       const {bbox, x_scale} = plot.frame, x = x_scale.compute(time)
       const overTime = plot.model.tags.includes("over-time")
-      const shown = overTime && x >= bbox.left - 1 && x <= bbox.right + 1
+      const shown = overTime && bbox.width > 0 && x >= bbox.left - 1 && x <= bbox.right + 1
       line.style.display = shown ? "" : "none"
       if (shown) { Object.assign(line.style, {height: `${bbox.height}px`, transform: `translate(${x - 0.75}px, ${bbox.top}px)`}) }
       for (const curve of curves) { drawDot(plot, curve) }
@@ -87,7 +94,7 @@ export function render({model}) {
   model.on("remove", () => {
     clearInterval(keep)
     window.removeEventListener("flight-time", onTime)
-    for (const {line, curves} of found) { line.remove(); for (const {dot} of curves) { dot?.remove() } }
+    for (const one of found) { forget(one) }
   })
   return root
 }
