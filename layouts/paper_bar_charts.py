@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from bokeh.models import ColumnDataSource, FixedTicker, HoverTool, Range1d
 from bokeh.plotting import figure
 
-from layouts.chart import add_csv, add_legend, plain
+from layouts.chart import add_csv, plain
 from layouts.paper_bars import WIDTH, Bars
 from layouts.paper_sheet import ink
 from layouts.theme import NEUTRAL
@@ -31,17 +31,14 @@ def bar_charts(
     low, high = min([0.0, *every]), max([0.0, *every]) or 1.0
     returns = _sheet("episode return", tasks, Range1d(1.12 * low, 1.12 * high))
     success = _sheet("success rate [%]", tasks, Range1d(0.0, HIGHEST))
-    entries = []
     for position, one in enumerate(bars):
         shift = (position - (len(bars) - 1) / 2.0) * (WIDTH + 0.02)
         _bars(returns, tasks, one, one.returns, shift)
-        entries.append((one.label, [_bars(success, tasks, one, _percent(one.success), shift, whiskers=True)]))
+        _bars(success, tasks, one, _percent(one.success), shift, whiskers=True)
     _dots(returns, tasks, dots, dots.returns)
-    entries.append((dots.label, [_dots(success, tasks, dots, _percent(dots.success))]))
+    _dots(success, tasks, dots, _percent(dots.success))
     if references:
-        entries.append(("paper", [_references(success, references)]))
-    add_legend(success, entries)
-    add_legend(returns, [])
+        _references(success, references)
     return returns, success
 
 
@@ -64,7 +61,7 @@ def _sheet(title: str, tasks: Sequence[str], y_range: Range1d) -> figure:
 
 def _bars(
     fig: figure, tasks: Sequence[str], one: Bars, values: Sequence[float | None], shift: float, whiskers: bool = False
-) -> object:
+) -> None:
     rows = [(place, value) for place, value in enumerate(values) if value is not None]
     interval = [one.interval[place] or (float("nan"), float("nan")) for place, _ in rows]
     source = ColumnDataSource(
@@ -84,23 +81,20 @@ def _bars(
         fig.segment("x", "low", "x", "high", source=source, color="white", line_width=4.0)
         fig.segment("x", "low", "x", "high", source=source, color="black", line_width=1.8)
     add_csv(fig, f"fig13-{one.algorithm}", source)
-    return drawn
 
 
-def _dots(fig: figure, tasks: Sequence[str], one: Bars, values: Sequence[float | None]) -> object:
+def _dots(fig: figure, tasks: Sequence[str], one: Bars, values: Sequence[float | None]) -> None:
     rows = [(place, value) for place, value in enumerate(values) if value is not None]
     names = [f"{one.label}, {tasks[place]}" for place, _ in rows]
     source = ColumnDataSource({"x": [p for p, _ in rows], "value": [v for _, v in rows], "name": names})
     drawn = fig.scatter("x", "value", source=source, marker="diamond", size=14, fill_color="white", line_color="black",
                         name=one.algorithm)  # fmt: skip
     fig.add_tools(HoverTool(renderers=[drawn], tooltips=[("", "@name"), ("", "@value{0.0}")], visible=False))
-    return drawn
 
 
-def _references(fig: figure, references: Mapping[int, float]) -> object:
+def _references(fig: figure, references: Mapping[int, float]) -> None:
     source = ColumnDataSource({"x": [p + 0.47 for p in references], "value": [100.0 * s for s in references.values()]})
     drawn = fig.scatter("x", "value", source=source, marker="inverted_triangle", angle=1.5708, size=13, color=NEUTRAL,
                         name="paper")  # fmt: skip
     fig.add_tools(HoverTool(renderers=[drawn], tooltips=[("", "the paper's expert"), ("", "@value{0.0} %")],
                             visible=False))  # fmt: skip
-    return drawn

@@ -47,6 +47,7 @@ def test_a_reader_goes_back_and_forth(person: Page, workbench: Served, results: 
     expect(person.get_by_role("heading", name="Table 3")).to_be_visible()
     person.goto(f"{workbench.address}/paper#table1")
     expect(person.get_by_role("heading", name="Table 1")).to_be_visible()
+    person.wait_for_url("**/paper?section=table1")
 
 
 def test_a_number_tells_where_it_comes_from(person: Page, workbench: Served, results: Path) -> None:

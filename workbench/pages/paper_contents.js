@@ -25,25 +25,33 @@ export function render({model}) {
 
   // Panel hears nothing of the browser's back and forward. The page's idea of its address is set right in silence,
   // or it would push the address that was just left as a new one.
-  function went() {
+  function tell(values) {
     for (const document of window.Bokeh.documents) {
       for (const each of document.all_models) {
-        if (each.type === "panel.models.location.Location") { each.setv({search: window.location.search}, {silent: true}) }
+        if (each.type === "panel.models.location.Location") { each.setv(values, {silent: true}) }
       }
     }
+  }
+
+  function went() {
+    tell({search: window.location.search})
     model.address = window.location.search
   }
 
+  // #table4 is a short way to write ?section=table4, and becomes that.
   function hash() {
     const name = window.location.hash.slice(1)
-    if (model.items.some((item) => item.name === name)) { model.section = name }
+    if (!model.items.some((item) => item.name === name)) { return }
+    window.history.replaceState({}, "", window.location.pathname + window.location.search)
+    tell({hash: ""})
+    model.section = name
   }
 
   window.addEventListener("popstate", went)
   window.addEventListener("hashchange", hash)
   model.on("remove", () => { window.removeEventListener("popstate", went); window.removeEventListener("hashchange", hash) })
-  model.on(["items", "section"], draw)
+  model.on("section", draw)
+  model.on("items", () => { draw(); hash() })
   draw()
-  hash()
   return root
 }

@@ -110,7 +110,8 @@ def _fig12(result: ResultSet) -> str:
 
 def _fig13(result: ResultSet) -> str:
     return (
-        f"{result.episodes} episodes of each policy on each task, from the same initial states; lines: Wilson 95 % "
+        "Blue: SubMas-RL, each task's own policy; green: the dragging expert; diamonds: SubMas-RL's policy of the "
+        f"target task, on all tasks. {result.episodes} episodes each, from the same initial states; lines: Wilson 95 % "
         "intervals. In source task 4, which has no missile, SubMas-RL is the navigation expert (§4.1). The triangle is "
         "the paper's 62.1 % of the expert; its other bars are a picture only, but for the 94.8 % of SubMas-RL."
     )
@@ -148,7 +149,7 @@ def maps(replay: Replay) -> str:
 
 
 def _flies(end_s: float | None, launch_s: float, time_s: float) -> bool:
-    return launch_s <= time_s and (end_s is None or time_s < end_s)
+    return launch_s <= time_s and (end_s is None or time_s <= end_s)
 
 
 def _tracks(replay: Replay, time_s: float) -> list[MapTrack]:
@@ -159,6 +160,6 @@ def _tracks(replay: Replay, time_s: float) -> list[MapTrack]:
     for missile in replay.missiles:
         points = missile.track_km[: max(count - missile.first, 0)]
         if points:
-            ended = missile.end_s is not None and missile.end_s <= time_s
+            ended = missile.end_s is not None and missile.end_s < time_s
             tracks.append(MapTrack(f"missile {missile.number}", missile_colour(missile.number), points, ended))
     return [*tracks, MapTrack("evader", evader, replay.evader_km[:count])]

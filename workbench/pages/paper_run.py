@@ -45,9 +45,9 @@ class RunPanel:
         self._run = pmui.Button(label="Run this", icon="play_arrow", color="primary", margin=0, width=150)
         self._run.on_click(self._start)
         self._make_progress()
-        seeds = pmui.Row(*self._seeds.values(), margin=0, sx={"gap": "10px"})
+        self._seed_row = pmui.Row(*self._seeds.values(), margin=0, sx={"gap": "10px"})
         self.layout = pmui.Column(
-            self._profile, seeds, self._cost, self._run, self._progress,
+            self._profile, self._seed_row, self._cost, self._run, self._progress,
             margin=0, sizing_mode="stretch_width", sx={"gap": "12px"},
         )  # fmt: skip
 
@@ -103,7 +103,7 @@ class RunPanel:
         self._seeds["submas"].visible = "submas" in trained
         self._seeds["baselines"].visible = any(variant in BASELINES for variant in trained)
         self._seeds["ablations"].visible = any(variant not in ("submas", *BASELINES) for variant in trained)
-        self._profile.visible = bool(trained)
+        self._profile.visible = self._seed_row.visible = bool(trained)
         self._profile.value = profile if trained and profile in PROFILES else "fast"
         self._change()
         self.look()

@@ -119,10 +119,10 @@ def _against(value: Any, paper: Any) -> Part:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return f"[{', '.join(map(str, value))}]"
+        return f"[{',\u00a0'.join(map(str, value))}]"
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return f"{value:,}".replace(",", " ") if isinstance(value, int) else f"{value:.6g}"
+    return f"{value:,}".replace(",", "\u202f") if isinstance(value, int) else f"{value:.6g}"
 
 
 def _mark(value: bool | str) -> str:
