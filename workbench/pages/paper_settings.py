@@ -119,7 +119,7 @@ def _against(value: Any, paper: Any) -> Part:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return f"[{',\u00a0'.join(map(str, value))}]"
+        return "[" + ",\u00a0".join(map(str, value)) + "]"
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:,}".replace(",", "\u202f") if isinstance(value, int) else f"{value:.6g}"
