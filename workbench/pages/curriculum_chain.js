@@ -44,7 +44,7 @@ export function render({model}) {
       box.setAttribute("aria-label", `Stage ${index + 1} of ${count}: ${stage.title}, missile ${stage.missile} is new, ` +
         `guide: ${stage.guide}. Arrow keys move it.`)
       box.onkeydown = event => key(event, stage.missile)
-      box.onpointerdown = event => { if (event.button === 0) begin(event, item, box) }
+      box.onpointerdown = event => { if (event.button === 0) begin(event, item) }
     }
     item.append(box)
     return item
@@ -62,12 +62,20 @@ export function render({model}) {
     send(met)
   }
 
-  function begin(event, item, box) {
+  // The window is listened to, not the stage: moving an element in the document takes the pointer from it.
+  function begin(event, item) {
+    if (dragged) return
     dragged = item, moved = false, started = [event.clientX, event.clientY]
-    box.setPointerCapture(event.pointerId)
-    box.onpointermove = drag
-    box.onpointerup = () => end(box, true)
-    box.onpointercancel = () => end(box, false)
+    const stop = keep => () => {
+      removeEventListener("pointermove", drag)
+      removeEventListener("pointerup", up)
+      removeEventListener("pointercancel", cancel)
+      end(keep)
+    }
+    const up = stop(true), cancel = stop(false)
+    addEventListener("pointermove", drag)
+    addEventListener("pointerup", up)
+    addEventListener("pointercancel", cancel)
   }
 
   function drag(event) {
@@ -83,8 +91,7 @@ export function render({model}) {
     if (over) over[items.indexOf(over) > items.indexOf(dragged) ? "after" : "before"](dragged)
   }
 
-  function end(box, keep) {
-    box.onpointermove = box.onpointerup = box.onpointercancel = null
+  function end(keep) {
     dragged.classList.remove("dragging")
     focus = Number(dragged.dataset.missile)
     dragged = null

@@ -27,7 +27,13 @@ def arrange(
     curriculum = _panel(lattice_head, lattice, chain, classes="tour-chain")
     launch = _panel(heading("3 · Train", VARIANT_HELP), form, classes="tour-train")
     runs = pmui.Paper(
-        under_way, elevation=1, margin=0, sizing_mode="stretch_width", sx={"p": "12px 16px"}, visible=under_way.visible
+        under_way,
+        elevation=1,
+        margin=0,
+        sizing_mode="stretch_width",
+        sx={"p": "12px 16px"},
+        styles={"flex": "0 0 auto"},
+        visible=under_way.visible,
     )
     under_way.param.watch(lambda event: setattr(runs, "visible", event.new), "visible")
     left, right = _column("1 1 560px", task), _column("1 1 560px", curriculum)
@@ -74,5 +80,5 @@ def _panel(head: Any, *parts: Any, classes: str) -> pmui.Paper:
         head = pn.pane.HTML(head, margin=0, sizing_mode="stretch_width")
     return pmui.Paper(
         head, *parts, elevation=1, margin=0, sizing_mode="stretch_width", css_classes=[classes],
-        styles={"flex": "1 1 auto"}, sx={"p": "12px 16px", "gap": "10px"},
+        styles={"flex": "0 0 auto"}, sx={"p": "12px 16px", "gap": "10px"},
     )  # fmt: skip
