@@ -109,7 +109,7 @@ class PowerCutDisk(KilledDisk):
         for path, content in self.contents.items():
             if path.exists():
                 path.write_bytes(content)
-        for name, content in reversed(self.names):
+        for name, content in reversed(self.lost_names()):
             if content is None:
                 name.unlink(missing_ok=True)
             else:
@@ -117,9 +117,19 @@ class PowerCutDisk(KilledDisk):
         self.contents, self.names = {}, []
         super().die()
 
+    def lost_names(self) -> list[tuple[Path, bytes | None]]:
+        return self.names
+
     def _remember(self, descriptor: int) -> None:
         path = path_of(descriptor)
         self.contents.setdefault(path, path.read_bytes())
+
+
+class ReorderingDisk(PowerCutDisk):
+    """The power fails when of all names that were not synced only the newest has reached the disk."""
+
+    def lost_names(self) -> list[tuple[Path, bytes | None]]:
+        return self.names[:-1]
 
 
 class RefusingDisk(CountingDisk):

