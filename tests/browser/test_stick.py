@@ -39,10 +39,11 @@ def test_the_other_policy_flies_on_and_a_reload_shows_the_same_branch(visitor: P
 
 
 def test_a_person_steers_by_keys_and_mouse_and_hands_over(visitor: Page, served: Served) -> None:
-    _open(visitor, served, "?seed=2&t=200")
+    _open(visitor, served, "?seed=2&t=100")
     visitor.get_by_role("button", name="I fly").click()
     dial = visitor.get_by_role("slider", name="Heading to fly")
     expect(dial).to_be_visible()
+    visitor.get_by_role("button", name="1×", exact=True).last.click()
     before = int(dial.get_attribute("aria-valuenow") or "0")
     visitor.keyboard.down("ArrowLeft")
     expect(dial).not_to_have_attribute("aria-valuenow", str(before))
@@ -55,11 +56,11 @@ def test_a_person_steers_by_keys_and_mouse_and_hands_over(visitor: Page, served:
     expect(dial).to_have_attribute("aria-valuenow", re.compile("^(8[5-9]|9[0-5])$"))
     visitor.keyboard.press("Space")
     expect(visitor.get_by_role("button", name="Go on")).to_be_visible()
-    expect(visitor).to_have_url(re.compile("branch=A%2C200%2Cby-hand."))
+    expect(visitor).to_have_url(re.compile("branch=A%2C100%2Cby-hand."))
     visitor.get_by_role("button", name="Hand over").click()
     branch = visitor.locator(".card.branch")
     expect(branch).to_be_visible()
-    expect(branch).to_contain_text(re.compile(r"from 3:20 by hand, from \d+:\d\d SubMas-RL, target task"))
+    expect(branch).to_contain_text(re.compile(r"from 1:40 by hand, from \d+:\d\d SubMas-RL, target task"))
     told, where = branch.inner_text(), visitor.url
     assert re.search(r"by-hand\.[\w-]+%2Csubmas-target", where)
     visitor.reload()

@@ -176,7 +176,7 @@ class FlyStick:
         self._live, self._branch = LiveFlight(stick), None
         sight = stick.sight()
         self.widgets.heir.value = branch.policy
-        self.widgets.dial.param.update(running=True, sight=dial_sight(sight))
+        self.widgets.dial.param.update(running=False, sight=dial_sight(sight))
         self.widgets.dial.ask(whole_heading(sight.heading_rad))
         self._view.flying(branch.of, stick)
         self._ticked = self._kept = time.monotonic()

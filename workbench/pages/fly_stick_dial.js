@@ -56,9 +56,9 @@ export function render({model}) {
   speeds.setAttribute("role", "group")
   speeds.setAttribute("aria-label", "Speed of the flight")
   const help = make("div", "help", side)
-  help.innerHTML = "<kbd>←</kbd> <kbd>→</kbd> turn, with <kbd>Shift</kbd> finely, or drag the dial · <kbd>Space</kbd> pauses · " +
+  help.innerHTML = "Time begins with your first turn. <kbd>←</kbd> <kbd>→</kbd> turn, with <kbd>Shift</kbd> finely, or drag the dial · <kbd>Space</kbd> pauses · " +
     "the aircraft turns as fast as it can"
-  let asked = model.heading, side_held = 0, fine = false, timer = 0, dragging = false
+  let asked = model.heading, side_held = 0, fine = false, timer = 0, dragging = false, begun = model.running
 
   function drawSky() {
     const seen = model.sight, flown = seen.heading ?? asked
@@ -97,7 +97,7 @@ export function render({model}) {
   }
 
   function drawControls() {
-    hold.textContent = model.running ? "❚❚ Pause" : "▶ Go on"
+    hold.textContent = model.running ? "❚❚ Pause" : begun ? "▶ Go on" : "▶ Go"
     hold.setAttribute("aria-pressed", String(!model.running))
     speeds.replaceChildren(...model.speeds.map((speed) => {
       const button = document.createElement("button")
@@ -111,6 +111,11 @@ export function render({model}) {
     }))
   }
 
+  // Time waits for the first turn, so that nobody has to look at everything at once.
+  function begin() {
+    if (!begun) { begun = true; model.running = true; drawControls() }
+  }
+
   function ask(degrees) {
     asked = whole(degrees)
     if (model.heading !== asked) { model.heading = asked }
@@ -121,10 +126,11 @@ export function render({model}) {
   function turn(step) {
     const ahead = wrapped(asked + step - (model.sight.heading ?? asked)) * Math.sign(step)
     if (ahead <= AHEAD_DEG) { ask(asked + step) }
+    begin()
   }
 
   const release = () => { side_held = 0; clearInterval(timer) }
-  const pause = () => { model.running = !model.running; drawControls() }
+  const pause = () => { begun = true; model.running = !model.running; drawControls() }
 
   function onKey(event) {
     if (!root.isConnected || root.offsetParent === null || event.altKey || event.ctrlKey || event.metaKey) { return }
@@ -152,6 +158,7 @@ export function render({model}) {
     const box = svg.getBoundingClientRect()
     const [x, y] = [event.clientX - box.left - box.width / 2, box.top + box.height / 2 - event.clientY]
     if (Math.hypot(x, y) > 8) { ask(Math.atan2(y, x) * 180 / Math.PI) }
+    begin()
   }
   svg.onpointerdown = (event) => { dragging = true; svg.setPointerCapture(event.pointerId); drag(event) }
   svg.onpointermove = (event) => { if (dragging) { drag(event) } }
@@ -163,7 +170,7 @@ export function render({model}) {
   window.addEventListener("keyup", onKeyUp, true)
   window.addEventListener("blur", release)
   model.on("sight", drawSky)
-  model.on("asked", () => { asked = model.asked[0]; drawSky() })
+  model.on("asked", () => { asked = model.asked[0]; begun = model.running; drawSky() })
   model.on(["running", "speed"], drawControls)
   model.on("remove", () => {
     release()

@@ -18,7 +18,10 @@ SPEEDS = (1, 5, 10, 20)
 
 
 class HeadingDial(JSComponent):
-    """Arrow keys or the mouse turn the heading that is asked for; space pauses. While seen, it takes these keys."""
+    """Arrow keys or the mouse turn the heading that is asked for; space pauses. While seen, it takes these keys.
+
+    Time begins with the first turn.
+    """
 
     heading = param.Integer(default=0, bounds=(0, 359), doc="heading asked for [deg]; set by the browser")
     asked = param.List(default=[0, 0], doc="set to ask for a heading: degrees, and a count, to ask again")

@@ -86,12 +86,16 @@ class BranchView:
         return " ".join([*words, self._labels.get(branch.policy, "") or "the last heading held"])
 
     def _draw_charts(self, original: Trajectory, flight: Trajectory, branch: Branch, from_s: float) -> None:
-        if self._charts is None or self._charts.scenario != original.task.scenario:
-            self._charts = BranchCharts(original.task.scenario)
+        charts = self._charts
+        if charts is None or charts.scenario != original.task.scenario:
+            charts = BranchCharts(original.task.scenario)
+        charts.show(original, flight, from_s, branch.of, INKS[branch.of])
+        if charts is not self._charts:
+            # Only now that they are filled: changes could reach the browser before figures it does not know yet.
+            self._charts = charts
             self._widgets.charts.objects = [
-                pn.pane.Bokeh(figure, margin=0, sizing_mode="stretch_width") for figure in self._charts.figures
+                pn.pane.Bokeh(figure, margin=0, sizing_mode="stretch_width") for figure in charts.figures
             ]
-        self._charts.show(original, flight, from_s, branch.of, INKS[branch.of])
 
     def _list_events(self, branch: dict[str, Trajectory], from_s: float = 0.0) -> None:
         """The page's events and, after its moment, those of the branch; the clock ends with the longest flight."""

@@ -177,7 +177,8 @@ def _steered(page: FlyPage, seconds: float = 30.0, heading: int = 90) -> FlyStic
     """Fly by hand from 2:00 on towards a heading."""
     stick = _stick(page, 120.0)
     stick.widgets.steer.clicks += 1
-    stick.widgets.dial.heading = heading
+    assert not stick.widgets.dial.running  # time waits for the first turn
+    stick.widgets.dial.param.update(heading=heading, running=True)
     for _ in range(round(seconds / (stick.widgets.dial.speed * LAG_S))):
         stick._ticked -= LAG_S
         stick._go_on()
