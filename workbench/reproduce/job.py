@@ -131,8 +131,9 @@ def working(root: Path, kind: Kind, job: Job) -> Iterator[JobFile]:
         file = JobFile(job_path(root, kind), job)
         try:
             yield file
-        except BaseException:
-            file.end("failed")
+        except BaseException as error:
+            # Ctrl-C may come before whoever works here is ready for it.
+            file.end("interrupted" if isinstance(error, KeyboardInterrupt) else "failed")
             raise
     finally:
         os.close(lock)

@@ -10,7 +10,7 @@ import pytest
 
 from workbench.reproduce import background
 from workbench.reproduce.background import Order, beginning, failure, start, stop
-from workbench.reproduce.job import BusyError, read_job
+from workbench.reproduce.job import BusyError, Job, read_job, working
 from workbench.reproduce.seed_counts import SeedCounts
 from workbench.runs import RunStore
 
@@ -68,6 +68,15 @@ def test_one_begins_works_and_is_stopped(root: Path) -> None:
     assert job is not None and job.state == "interrupted"
     assert stop(RunStore(root), "trainings") is None
     assert failure(root, "trainings") == ""
+
+
+@pytest.mark.parametrize(("error", "state"), [(KeyboardInterrupt(), "interrupted"), (ValueError("broken"), "failed")])
+def test_how_it_ended_is_told_whatever_comes(root: Path, error: BaseException, state: str) -> None:
+    job = Job(items=("fig9",), profile="smoke", command="c", results="r", pid=1)
+    with pytest.raises(type(error)), working(root, "trainings", job):
+        raise error
+    last = read_job(root, "trainings")
+    assert last is not None and last.state == state
 
 
 def test_one_that_cannot_begin_says_why(root: Path) -> None:
