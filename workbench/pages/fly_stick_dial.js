@@ -40,7 +40,7 @@ export function render({model}) {
   const root = document.createElement("div")
   root.className = "stick"
   root.style.setProperty("--ink", model.colour)
-  const svg = draw("svg", {viewBox: "-100 -100 200 200", tabindex: 0, role: "slider", "aria-valuemin": 0, "aria-valuemax": 359,
+  const svg = draw("svg", {viewBox: "-110 -110 220 220", tabindex: 0, role: "slider", "aria-valuemin": 0, "aria-valuemax": 359,
     "aria-label": "Heading to fly"}, root)
   face(svg)
   const sky = draw("g", {}, svg)
