@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import html
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -23,28 +22,26 @@ from workbench.pages.runs_actions import RunsActions
 from workbench.pages.runs_bar import RunsBar
 from workbench.pages.runs_curves import RunsCurves
 from workbench.pages.runs_detail import RunsDetail
+from workbench.pages.runs_follow import Follower, look
+from workbench.pages.runs_layout import arrange, difference_title, panel
 from workbench.pages.runs_settings import EXPERT, RunsSettings, read_settings
 from workbench.pages.runs_table import TABLE_HEIGHT, RunsTable
-from workbench.pages.runs_view import RunsList, RunsMore, gather_list, gather_more
+from workbench.pages.runs_values import bar_values, table_values
+from workbench.pages.runs_view import RunsMore, gather_list, gather_more
 from workbench.run_folder import is_run_id
 from workbench.run_index_record import RunRecord
 from workbench.run_notes import RunNotes
 
-TICK_MS = 1000
 SETTLED_S = 0.6
 """How long a view has to stand before it becomes an entry of the browser's history."""
-NO_RUNS = "No run yet. Launch one on the Curriculum page, or in a terminal: workbench train --curriculum"
-NONE_FOUND = "No run fits. Take words out of the search, or choose “Clear filters”."
-NO_TRASH = "The trash is empty. Deleted runs come here, and stay until “workbench runs empty-trash”."
 
 
 def page(context: AppContext) -> pn.viewable.Viewable:
     """The Runs page of one session."""
     made = RunsPage(context)
     # Scheduled, not awaited: Panel shows its spinner over everything until what it loads has returned.
-    pn.state.onload(lambda: pn.state.execute(made.start))
-    callback = pn.state.add_periodic_callback(made.tick, TICK_MS)
-    pn.state.on_session_destroyed(lambda _session: callback.stop())
+    pn.state.onload(lambda: pn.state.execute(made.live))
+    pn.state.on_session_destroyed(lambda _session: made.follower.stop())
     return made.layout
 
 
@@ -54,7 +51,9 @@ class RunsPage:
     def __init__(self, context: AppContext) -> None:
         self._index = context.index
         self._store = context.store
-        self.settings = read_settings(read_query())
+        self.settings = self._opened = read_settings(read_query())
+        self._ready = False
+        self.follower = Follower(self.tick)
         # What the index has at hand is shown with the first paint; an index that has to be made is waited for later.
         self._listed = gather_list(self._index, self.settings) if self._index.is_open else None
         self._asked = self._marks = 0
@@ -76,7 +75,7 @@ class RunsPage:
         for name in ("text", "chosen", "trash"):
             self.bar.param.watch(self._search, name)
         self.bar.param.watch(lambda event: self._change(group=event.new, opened=(), shown=self._single_runs()), "group")
-        self.bar.param.watch(lambda event: self._act_on(event.new[0], self._ticked()), "asked")
+        self.bar.param.watch(lambda event: self._act_on_ticked(event.new[0]), "asked")
         self.bar.param.watch(lambda event: self._arrive(event.new[0]), "visited")
         self.table.param.watch(self._search, "sort")
         self.table.param.watch(lambda event: self._change(run=event.new), "focused")
@@ -84,17 +83,11 @@ class RunsPage:
         self.table.param.watch(lambda event: self._mark(*event.new[:2]), "asked")
 
     def _arrange(self) -> pn.viewable.Viewable:
-        title = pmui.Row(pn.pane.HTML("<b>Difference of configurations</b>", margin=0), self._every, margin=0)
-        self._difference = _panel(title, self.difference)
+        self._difference = panel(difference_title(self._every), self.difference)
         self._difference.visible = False
-        left = pmui.Column(_panel(self.curves.layout), self._difference, margin=0, sx={"gap": "12px"},
-                           styles={"flex": "3 1 560px", "min-width": "0"})  # fmt: skip
-        right = pmui.Column(_panel(self.detail.layout), margin=0, styles={"flex": "2 1 340px", "min-width": "0"})
-        below = pn.FlexBox(left, right, gap="12px", sizing_mode="stretch_width", margin=0)
-        return pn.Column(
-            self._alert, self.actions.notice, self.bar, self.table, below, *self.actions.dialogs,
-            sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "12px"},
-        )  # fmt: skip
+        above = (self._alert, self.actions.notice, self.bar, self.table)
+        return arrange(above, (panel(self.curves.layout), self._difference), panel(self.detail.layout),
+                       self.actions.dialogs)  # fmt: skip
 
     # What a person changes.
 
@@ -135,20 +128,14 @@ class RunsPage:
         if what == "pin" and record is not None:
             self._change(baseline=EXPERT if self.settings.baseline == record.id else record.id)
         elif record is not None:
-            self._act_on(what, [record])
+            self.actions.ask(what, [record])
 
-    def _act_on(self, what: str, records: list[RunRecord]) -> None:
+    def _act_on_ticked(self, what: str) -> None:
+        """A button of the bar."""
         if what == "untick":
             self._change(shown=())
-        elif what == "tag":
-            self.actions.ask_tags(records)
-        elif what == "delete":
-            self.actions.ask_delete(records)
-        elif what in ("pause", "resume"):
-            pn.state.execute(partial(self.actions.send, what, records[0].id))
-        elif what == "restore":
-            ids = [record.id for record in records]
-            pn.state.execute(partial(self.actions.restore, ids))
+        else:
+            self.actions.ask(what, self._ticked())
 
     def _ticked(self) -> list[RunRecord]:
         return [record for key in self.settings.shown_runs if (record := self._index.get(key))]
@@ -172,9 +159,15 @@ class RunsPage:
 
     # What it shows.
 
+    async def live(self) -> None:
+        """Start, and follow the folders until the page is left."""
+        await self.start()
+        self.follower.start()
+
     async def start(self) -> None:
         """Show the view of the address, then bring the index up to date."""
-        await self.refresh(written=True)
+        self._ready = True
+        await self.refresh(written=self.settings == self._opened)
         await self.tick()
         if self.settings.run and self._listed is not None and self._listed.record is None:
             self._complain()
@@ -187,18 +180,25 @@ class RunsPage:
 
     async def tick(self) -> None:
         """Follow the folders."""
-        changed = await asyncio.to_thread(self._index.look)
+        changed = await look(self._index, self._relist)
         if changed or self._listed is None or self._listed.version != self._index.version:
             await self.refresh(written=True)
 
     async def refresh(self, written: bool = False) -> None:
-        """Show the settings as they are; `written` says that the address has them already."""
+        """Show the settings as they are; `written` says that the address has them already.
+
+        What changes before the page stands in the browser is shown when it does: Panel loses what is sent earlier.
+        """
+        if not self._ready:
+            return
         await self._relist()
         if not written:
             pn.state.execute(self._write_address)
         await self._remore()
 
     async def _relist(self) -> None:
+        if not self._ready:
+            return
         self._asked += 1
         asked, settings = self._asked, self.settings
         listed = await asyncio.to_thread(gather_list, self._index, settings, self.table.first)
@@ -233,8 +233,8 @@ class RunsPage:
         settings, listed = self.settings, self._listed
         self._taking = True
         try:
-            self.bar.param.update(**self._bar_values(settings, listed))
-            self.table.param.update(**self._table_values(settings, listed))
+            self.bar.param.update(**bar_values(settings, listed, self._index.reading))
+            self.table.param.update(**table_values(settings, listed))
             self.curves.take(settings)
             self._every.value = settings.every_field
             self._alert.param.update(object=html.escape(self._index.notice), visible=bool(self._index.notice))
@@ -243,36 +243,3 @@ class RunsPage:
                 self.detail.show(listed.record, listed.run)
         finally:
             self._taking = False
-
-    def _bar_values(self, settings: RunsSettings, listed: RunsList | None) -> dict[str, Any]:
-        search = settings.search
-        values = {
-            "text": search.text, "chosen": {name: list(each) for name, each in search.chosen.items()},
-            "group": settings.group, "trash": search.trashed, "ticked": len(settings.shown_runs),
-            "counted": self._counted(listed),
-        }  # fmt: skip
-        return values if listed is None else {**values, "facets": json.dumps(listed.facets)}
-
-    def _counted(self, listed: RunsList | None) -> str:
-        if self._index.reading:
-            done, total = self._index.reading
-            return f"reading run folders: {done} of {total} …"
-        if listed is None:
-            return ""
-        found, everything = listed.listing.runs, listed.listing.everything
-        return f"{found} run{'s' * (found != 1)}" if found == everything else f"{found} of {everything} runs"
-
-    def _table_values(self, settings: RunsSettings, listed: RunsList | None) -> dict[str, Any]:
-        values: dict[str, Any] = {"sort": settings.search.sort, "focused": settings.run}
-        if listed is None:
-            return values
-        lines = listed.listing
-        empty = NONE_FOUND if lines.everything else NO_TRASH if settings.search.trashed else NO_RUNS
-        return {
-            **values, "lines": json.dumps(lines.lines), "offset": lines.offset, "total": lines.total,
-            "pinned": json.dumps(listed.pinned), "empty": empty,
-        }  # fmt: skip
-
-
-def _panel(*parts: Any) -> pmui.Paper:
-    return pmui.Paper(*parts, elevation=1, margin=0, sizing_mode="stretch_width", sx={"p": "14px 16px", "gap": "10px"})

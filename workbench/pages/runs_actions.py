@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import html
 from collections.abc import Awaitable, Callable, Sequence
+from functools import partial
 from typing import Any
 
 import panel as pn
@@ -53,6 +54,17 @@ class RunsActions:
         yes.on_click(agreed)
         no.on_click(lambda _event: setattr(dialog, "open", False))
         return dialog
+
+    def ask(self, what: str, records: Sequence[RunRecord]) -> None:
+        """Do what a button says with these runs, or ask first."""
+        if what == "tag":
+            self.ask_tags(records)
+        elif what == "delete":
+            self.ask_delete(records)
+        elif what == "restore":
+            pn.state.execute(partial(self.restore, [record.id for record in records]))
+        elif what in ("pause", "resume") and records:
+            pn.state.execute(partial(self.send, what, records[0].id))
 
     def ask_delete(self, records: Sequence[RunRecord]) -> None:
         """Ask whether these runs shall go to the trash."""

@@ -20,9 +20,7 @@ class RunsBar(JSComponent):
     """What narrows the list down. Everything a person changes here is one value that Python hears of."""
 
     text = param.String(default="", doc="words to search for; set by the browser while one types")
-    facets = param.String(
-        default="[]", doc="JSON: dicts of name, title and options (pairs of value and count)"
-    )
+    facets = param.String(default="[]", doc="JSON: dicts of name, title and options (pairs of value and count)")
     chosen = param.Dict(default={}, doc="lists of values by facet; set by the browser")
     group = param.String(default="", doc="a key of GROUPS; set by the browser")
     groups = param.Dict(default=dict(GROUPS))

@@ -244,7 +244,7 @@ def test_ticked_runs_lie_over_each_other_with_the_experts_line(many: AppContext)
     rows = run.metrics()
     assert list(figure.lines.data["ys"][0]) == [row["success_rate"] for row in rows]
     steps = np.array([row["env_steps"] for row in rows])
-    assert float(figure.lines.data["xs"][0][-1]) == pytest.approx(1e-6 * sum(steps[[1, 3, 5, 7]]))
+    assert np.asarray(figure.lines.data["xs"][0])[-1] == pytest.approx(1e-6 * sum(steps[[1, 3, 5, 7]]))
     assert list(figure.levels.data["y"]) == [0.617]
     assert "target" in figure.levels.data["label"][0]
 

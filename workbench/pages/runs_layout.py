@@ -1,0 +1,28 @@
+"""Where the parts of the Runs page stand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+
+def arrange(above: Sequence[Any], left: Sequence[Any], right: Any, dialogs: Sequence[Any]) -> pn.viewable.Viewable:
+    """Bar and table over the whole width; below them curves and difference, and beside those the panel of the run."""
+    wide = pmui.Column(*left, margin=0, sx={"gap": "12px"}, styles={"flex": "3 1 560px", "min-width": "0"})
+    narrow = pmui.Column(right, margin=0, styles={"flex": "2 1 340px", "min-width": "0"})
+    below = pn.FlexBox(wide, narrow, gap="12px", sizing_mode="stretch_width", margin=0)
+    return pn.Column(*above, below, *dialogs, sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "12px"})
+
+
+def difference_title(every_field: Any) -> pmui.Row:
+    """The heading of the difference, with the box that shows every field."""
+    heading = pn.pane.HTML("<b>Difference of configurations</b>", margin=0, sizing_mode=None)
+    return pmui.Row(heading, every_field, margin=0, sx={"alignItems": "center", "gap": "14px"})
+
+
+def panel(*parts: Any) -> pmui.Paper:
+    """Parts on a sheet of their own."""
+    return pmui.Paper(*parts, elevation=1, margin=0, sizing_mode="stretch_width", sx={"p": "14px 16px", "gap": "10px"})
