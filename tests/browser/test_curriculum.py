@@ -100,12 +100,13 @@ def test_variants_times_seeds_are_queued_and_watched_from_here(
     assert {(run.config.variant, run.config.seed, run.config.mask) for run in launched} == {
         (variant, seed, "4") for variant in ("submas", "wo-pd") for seed in (5, 6)
     }
-    link = lines.first.get_by_role("link", name="Watch")
-    expect(link).to_have_attribute("href", f"/live?run={launched[-1].id}")
-    launched[-1].request_stop()
+    address = lines.first.get_by_role("link", name="Watch").get_attribute("href") or ""
+    shown = next(run for run in launched if address == f"/live?run={run.id}")
+    shown.request_stop()
     expect(person.get_by_text("■ stopped")).to_be_visible()
-    for run in launched[:-1]:
-        run.request_stop()
+    for run in launched:
+        if run is not shown:
+            run.request_stop()
     for run, lock in zip(blockers, locks, strict=True):
         run.write_state(RunState("stopped"))
         assert lock is not None
