@@ -54,14 +54,16 @@ def test_figures_are_those_of_the_one_evaluator(comparing: Page) -> None:
 
 
 def test_a_small_picture_flies_exactly_that_engagement(comparing: Page) -> None:
-    failure = comparing.locator(".strip[data-kind=shot_down_1] a.shot").first
+    failure = comparing.locator(".strip[data-kind=shot_down_1] a.shot").last
     episode = re.search(r"episode (\d+)", failure.inner_text())
     assert episode is not None
-    failure.click()
+    failure.press("Enter")
     expect(comparing).to_have_url(re.compile(rf"/fly\?.*seed=5&episode={episode[1]}"))
     expect(comparing.locator(".card", has_text="Shot down by missile 1").first).to_be_visible(timeout=SLOW_MS)
     expect(comparing.get_by_text(f"Episode {episode[1]} of seed 5.")).to_be_visible()
-    comparing.go_back()
+    for _ in range(3):  # Fly notes what it shows in its address, which is a step of its own
+        if "/compare" not in comparing.url:
+            comparing.go_back()
     expect(comparing.locator("a.shot").first).to_be_visible(timeout=SLOW_MS)
 
 
@@ -81,8 +83,10 @@ def test_the_address_holds_everything_and_reload_is_immediate(comparing: Page) -
     expect(comparing).to_have_url(
         re.compile(r"policies=expert-dragging%2Cexpert-navigation&tasks=source-3.*episodes=40")
     )
-    comparing.get_by_role("combobox", name=re.compile("^Policy")).click()
-    comparing.get_by_role("option", name="Defensive dragging (expert)").click()
+    bars = comparing.locator(".bk-Figure").first
+    box = bars.bounding_box()
+    assert box is not None
+    bars.click(position={"x": 0.3 * box["width"], "y": 0.75 * box["height"]})  # the left one: look at it closely
     expect(comparing).to_have_url(re.compile(r"policy=expert-dragging&against=expert-navigation"), timeout=SLOW_MS)
     before = comparing.locator("tr.close").inner_text()
     comparing.reload()
