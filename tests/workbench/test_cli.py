@@ -35,7 +35,7 @@ MISTAKES = [
     ("fly damaged.safetensors", "policy file 'damaged.safetensors' is damaged"),
     ("evaluate empty.safetensors", "policy file 'empty.safetensors' is damaged"),
     ("fly 20250101-000000-aaaaaa", "run 20250101-000000-aaaaaa is not in"),
-    ("fly random --out flight.xyz", "--out flight.xyz ends in '.xyz'; legal are .acmi, .csv, .parquet"),
+    ("fly random --out flight.xyz", "--out flight.xyz ends in '.xyz'; legal are .acmi, .csv, .gif, .html, .mp4"),
     ("fly random --out flight", "--out flight has no suffix"),
     ("fly random --seed -1", "--seed is -1; it must not be negative"),
     ("evaluate random --episodes 0", "--episodes is 0; legal are 1 to"),
