@@ -98,11 +98,17 @@ def read_record(path: Path, folder: str, trashed: bool) -> RunRecord:
         notes = read_notes(path)
         head |= {"notes": notes.text, "tags": _between_lines(notes.tags)}
     if problem:
-        return RunRecord(**head, problem=problem)
+        return RunRecord(**head, problem=problem, created=_created(head["id"]))
     try:
         return RunRecord(**head, **_configured(run), **_reached(run))
     except RunFileError as error:  # it changed under our eyes
-        return RunRecord(**head, problem=str(error))
+        return RunRecord(**head, problem=str(error), created=_created(head["id"]))
+
+
+def _created(run_id: str) -> str:
+    """When a run was asked for, as its id has it: where a damaged one stands among the others."""
+    day, clock = run_id[:8], run_id[9:15]
+    return f"{day[:4]}-{day[4:6]}-{day[6:]}T{clock[:2]}:{clock[2:4]}:{clock[4:]}"
 
 
 def _between_lines(tags: tuple[str, ...]) -> str:

@@ -198,6 +198,7 @@ def test_one_bad_run_never_hides_the_others(fault: str, made: RunStore) -> None:
     assert len(records) == COUNT + 1
     assert records[bad.id].state == UNREADABLE
     assert records[bad.id].problem
+    assert next(iter(records)) == bad.id  # the newest comes first, damaged or not
     assert sum(bool(record.problem) for record in records.values()) == 1
 
 
