@@ -105,7 +105,7 @@ def test_both_flights_are_drawn_and_one_clock_moves_every_view(person: Page, wor
 
 def test_a_stage_is_launched_watched_to_its_end_and_flown(person: Page, workbench: Served) -> None:
     person.goto(f"{workbench.address}/curriculum?what=stage&mask=2,3,4&profile=smoke")
-    expect(person.get_by_text("Source task 3")).to_be_visible()
+    expect(person.get_by_text("Source task 3").first).to_be_visible()
     person.get_by_role("button", name="Launch").click()
     person.wait_for_url("**/live?run=*")
     run = person.url.partition("run=")[2].partition("&")[0]
