@@ -61,7 +61,7 @@ class CurveFigure:
     bands: ColumnDataSource = field(default_factory=lambda: empty(("xs", "ys", "ink")))
     points: ColumnDataSource = field(default_factory=lambda: empty(("x", "y", "raw", "label", "ink")))
     ends: ColumnDataSource = field(default_factory=lambda: empty(("x", "y", "ink")))
-    levels: ColumnDataSource = field(default_factory=lambda: empty(("x", "y", "label")))
+    levels: ColumnDataSource = field(default_factory=lambda: empty(("y", "label")))
     _framed: tuple[float, ...] = ()
 
     def show(
@@ -76,11 +76,7 @@ class CurveFigure:
         self.points.data = _points(curves)
         self.ends.data = _stage_ends(curves)
         frame = _frame(curves, levels, rate)
-        self.levels.data = {
-            "x": [frame[1]] * len(levels),
-            "y": [level.value for level in levels],
-            "label": [f"{level.label} " for level in levels],
-        }
+        self.levels.data = {"y": [level.value for level in levels], "label": [level.label for level in levels]}
         self._reframe(frame)
 
     def _reframe(self, frame: tuple[float, ...]) -> None:
@@ -102,10 +98,6 @@ def curve_figure(name: str, height: int = 300) -> CurveFigure:
     sheet = CurveFigure(fig)
     fig.patches("xs", "ys", source=sheet.bands, fill_color="ink", fill_alpha=0.2, line_alpha=0.0)
     fig.hspan(y="y", source=sheet.levels, line_color=BASELINE_INK, line_dash="dashed", line_width=1.8)
-    fig.text(
-        x="x", y="y", text="label", source=sheet.levels, text_color=BASELINE_INK, text_font_size="12px",
-        text_align="right", text_baseline="bottom",
-    )  # fmt: skip
     fig.multi_line("xs", "ys", source=sheet.faint, line_color="ink", line_alpha=0.28, line_width=1.2)
     fig.multi_line(
         "xs", "ys", source=sheet.lines, line_color="ink", line_width=2.2, line_dash="dash", line_join="round"

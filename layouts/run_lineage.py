@@ -13,7 +13,7 @@ LINEAGE_CSS = """
 ol { list-style: none; display: flex; flex-wrap: wrap; gap: 6px 22px; margin: 0; padding: 0; align-items: stretch }
 li { position: relative; border: 1.5px solid var(--ink); border-radius: 9px; padding: 4px 10px; min-width: 84px;
   background: color-mix(in srgb, var(--ink) 11%, transparent) }
-li:not(:first-child)::before { content: "→"; position: absolute; left: -19px; top: 50%;
+li:not(:last-child)::after { content: "→"; position: absolute; right: -19px; top: 50%;
   transform: translateY(-50%); opacity: .7 }
 li.here { border-width: 2.5px }
 li b { display: block; font-weight: 650; overflow-wrap: anywhere }

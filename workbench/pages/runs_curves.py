@@ -159,7 +159,7 @@ class RunsCurves:
             "stages": _select("Stages", STAGES, settings.stages, "1 1 90px"),
             "baseline": _select("Baseline", _baselines(settings), settings.baseline, "2 1 132px"),
             "smooth": pmui.IntSlider(
-                label="Smoothing [%]", value=settings.smooth, start=0, end=99, size="small", margin=(0, 6),
+                label="Smooth [%]", value=settings.smooth, start=0, end=99, size="small", margin=(0, 6),
                 styles={"flex": "1 1 100px"},
             ),
         }  # fmt: skip
@@ -223,4 +223,8 @@ def _key(found: Drawing) -> str:
         entries.append(
             f'<span style="--ink: {source.ink}"><i class="{style}"></i><b>{html.escape(source.label)}</b>{said}</span>'
         )
+    entries += [
+        f'<span style="--ink: {BASELINE_INK}"><i class="dashed"></i><b>{html.escape(level.label)}</b></span>'
+        for level in found.levels
+    ]
     return f'<div class="key">{"".join(entries)}</div>'

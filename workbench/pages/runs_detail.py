@@ -15,7 +15,6 @@ from layouts.theme import FAILURE, NEUTRAL
 from sim.errors import SubMasError
 from workbench.pages.address import fly_address
 from workbench.pages.live_cards import STATE_COLOURS
-from workbench.policies import title
 from workbench.run_index_record import UNREADABLE, RunRecord
 from workbench.run_notes import NOTE_LIMIT, RunNotes, parse_tags
 from workbench.run_state import ACTIVE, RESUMABLE
@@ -150,7 +149,7 @@ def facts(record: RunRecord, run: Run) -> str:
     pairs: list[tuple[str, str]] = [("Run", record.id)]
     if not record.problem:
         pairs += [
-            ("Training", title(run.config)),
+            ("Training", " · ".join((record.task, record.variant, record.profile, f"seed {record.seed}"))),
             ("Success", percent(record.success)),
             ("Mean return", "–" if record.mean_return is None else f"{record.mean_return:.1f}"),
             ("Worked", duration(record.wall_s)),

@@ -25,9 +25,10 @@ def difference(runs: Sequence[tuple[Run, str, str]], every_field: bool) -> str:
 
 def fields_of(run: Run) -> dict[str, str]:
     """Every field of a run's configuration by name, as text; what is wrong with it where it cannot be read."""
-    if run.problem:
-        return {"problem": run.problem}
-    config = run.config
+    try:
+        config = run.config
+    except RunFileError as error:
+        return {"problem": str(error)}
     fields = {name: _text(value) for name, value in config.to_json().items()}
     try:
         numbers = dataclasses.asdict(config.hyperparameters)

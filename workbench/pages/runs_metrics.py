@@ -80,8 +80,11 @@ def curve_of(metrics: RunMetrics, metric: str, look: Look, label: str, ink: str,
     x, y, stage = _points(metrics, metric, look)
     keep = thin_index(len(x), limit=MOST_POINTS)
     x, y, stage = x[keep], y[keep], stage[keep]
-    ends = tuple(int(end) for end in np.flatnonzero(np.diff(stage)))
-    return RunCurve(label, ink, x, y, smoothed(y, look.smooth), ends=ends, dashed=dashed)
+    ends = np.flatnonzero(np.diff(stage))
+    # Stage by stage: what was learned of an easier task is not the past of the next one.
+    parts = [smoothed(part, look.smooth) for part in np.split(y, ends + 1)]
+    even = np.concatenate(parts) if look.smooth else y
+    return RunCurve(label, ink, x, y, even, ends=tuple(int(end) for end in ends), dashed=dashed)
 
 
 def _points(metrics: RunMetrics, metric: str, look: Look) -> tuple[Values, Values, Values]:

@@ -24,8 +24,8 @@ GROUPS: Final = {
 }
 """What runs may be put together by, and how that is called."""
 METRICS: Final = {
-    "success_rate": "success, held out",
-    "return_mean": "return, held out",
+    "success_rate": "success",
+    "return_mean": "return",
     "train_success_rate": "success in training",
     "train_return_mean": "return in training",
     "alpha": "α, weight of distillation",
@@ -36,7 +36,7 @@ METRICS: Final = {
     "q_mean": "mean Q",
     "updates_per_s": "updates a second",
 }
-X_AXES: Final = {"steps": "env steps", "time": "time", "epoch": "epochs"}
+X_AXES: Final = {"steps": "steps", "time": "time", "epoch": "epochs"}
 STAGES: Final = {"all": "all", "last": "the last"}
 TEXT_LIMIT: Final = 200
 VALUES_LIMIT: Final = 50

@@ -249,6 +249,18 @@ def test_ticked_runs_lie_over_each_other_with_the_experts_line(many: AppContext)
     assert "target" in figure.levels.data["label"][0]
 
 
+def test_smoothing_stops_at_the_end_of_a_stage(many: AppContext) -> None:
+    many.index.look()
+    run = many.store.get(many.index.find(RunSearch("submas"))[0].id)
+    figure = opened(many, show=run.id, smooth="80").curves._figures[0]
+    rates = [row["success_rate"] for row in run.metrics()]
+    shown = np.asarray(figure.lines.data["ys"][0])
+    # Every stage begins with what was measured, and two epochs later its first value weighs 0.8 to 1.
+    assert shown[[0, 2, 4, 6]].tolist() == pytest.approx(rates[0::2])
+    assert shown[1] == pytest.approx((0.8 * rates[0] + rates[1]) / 1.8)
+    assert [len(xs) for xs in figure.faint.data["xs"]] == [8]
+
+
 def test_the_difference_names_what_differs_and_nothing_else(many: AppContext) -> None:
     ids = [many.store.create(TrainingConfig(seed=seed, name=HOSTILE)).id for seed in (1, 2)]
     page = opened(many, show=",".join(ids))
@@ -324,6 +336,21 @@ def test_a_run_in_the_trash_is_restored_from_its_panel(many: AppContext) -> None
     assert not page.detail.delete.visible
     click(page.detail.restore)
     assert len(many.store.list()) == COUNT
+
+
+def test_a_run_that_was_moved_away_a_moment_ago_breaks_nothing(many: AppContext) -> None:
+    many.index.look()
+    gone, other = (record.id for record in many.index.find()[:2])
+    many.store.delete(gone)
+    page = RunsPage(many)  # the index has not looked again: it takes the run to be where it was
+    page.settings = read_settings({"run": gone, "show": f"{gone},{other}"})
+    page._ready = True
+    do(page.refresh())
+    assert page.table.total == COUNT
+    assert "config.json cannot be read" in page.difference.object
+    do(page.tick())
+    assert page.table.total == COUNT - 1
+    assert page.detail.restore.visible
 
 
 def test_a_running_run_is_not_deleted_and_says_so(app: AppContext) -> None:
