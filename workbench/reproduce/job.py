@@ -89,7 +89,6 @@ class JobFile:
 
     def __init__(self, path: Path | None, job: Job) -> None:
         self._path, self._job, self._written_s = path, job, -EVERY_S
-        self.update()
 
     def update(self, **values: Any) -> None:
         """Change what the file says, at most every half second."""
@@ -130,6 +129,8 @@ def working(root: Path, kind: Kind, job: Job) -> Iterator[JobFile]:
     try:
         file = JobFile(job_path(root, kind), job)
         try:
+            # Whoever reads the file may stop the job at once, so it is written where a stop is noted.
+            file.update()
             yield file
         except BaseException as error:
             # Ctrl-C may come before whoever works here is ready for it.
