@@ -131,7 +131,7 @@ def _runs(page: Page, link: str, runs: int) -> tuple[float, float]:
 
 
 def _search(page: Page, name: str) -> float:
-    box, cells = page.get_by_role("searchbox", name="Search runs"), page.get_by_role("gridcell", name="bench-")
+    box, cells = page.get_by_role("searchbox", name="Search runs"), page.locator(".sheet .name .words")
     begin = time.perf_counter()
     box.fill(name)
     while cells.all_inner_texts() != [name]:

@@ -14,20 +14,16 @@ import panel as pn
 import panel_material_ui as pmui
 
 from layouts.run_curves import RUN_INKS
-from layouts.run_difference import DIFFERENCE_CSS
-from sim.errors import SubMasError
 from workbench.context import AppContext
 from workbench.pages.address import read_query, write_query
 from workbench.pages.runs_actions import RunsActions
 from workbench.pages.runs_bar import RunsBar
-from workbench.pages.runs_curves import RunsCurves
-from workbench.pages.runs_detail import RunsDetail
+from workbench.pages.runs_below import RunsBelow
 from workbench.pages.runs_follow import Follower, look
-from workbench.pages.runs_layout import arrange, difference_title, panel
-from workbench.pages.runs_settings import EXPERT, RunsSettings, read_settings
+from workbench.pages.runs_settings import EXPERT, read_settings
 from workbench.pages.runs_table import TABLE_HEIGHT, RunsTable
 from workbench.pages.runs_values import bar_values, table_values
-from workbench.pages.runs_view import RunsMore, gather_list, gather_more
+from workbench.pages.runs_view import gather_list, gather_more
 from workbench.run_folder import is_run_id
 from workbench.run_index_record import RunRecord
 from workbench.run_notes import RunNotes
@@ -58,20 +54,18 @@ class RunsPage:
         self._listed = gather_list(self._index, self.settings) if self._index.is_open else None
         self._asked = self._marks = 0
         self._taking = False
+        self._actions = RunsActions(self._store, self._index, self._moved)
+        self.below: RunsBelow | None = None
         self._make_parts()
-        self.layout = self._arrange()
+        self.layout = pn.Column(
+            self._alert, self.bar, self.table, sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "12px"}
+        )
         self._take()
 
     def _make_parts(self) -> None:
         self.bar = RunsBar(sizing_mode="stretch_width", margin=0)
         self.table = RunsTable(sizing_mode="stretch_width", height=TABLE_HEIGHT, margin=0, inks=list(RUN_INKS))
-        self.curves = RunsCurves(self.settings, self._change)
-        self.detail = RunsDetail(self._act, self._write)
-        self.actions = RunsActions(self._store, self._index, self._moved)
-        self.difference = pn.pane.HTML("", stylesheets=[DIFFERENCE_CSS], sizing_mode="stretch_width", margin=0)
-        self._every = pmui.Checkbox(label="all fields", value=self.settings.every_field, margin=0, size="small")
         self._alert = pmui.Alert(object="", visible=False, severity="info", margin=0, sizing_mode="stretch_width")
-        self._every.param.watch(lambda event: self._change(every_field=event.new), "value")
         for name in ("text", "chosen", "trash"):
             self.bar.param.watch(self._search, name)
         self.bar.param.watch(lambda event: self._change(group=event.new, opened=(), shown=self._single_runs()), "group")
@@ -82,12 +76,12 @@ class RunsPage:
         self.table.param.watch(self._scroll, "first")
         self.table.param.watch(lambda event: self._mark(*event.new[:2]), "asked")
 
-    def _arrange(self) -> pn.viewable.Viewable:
-        self._difference = panel(difference_title(self._every), self.difference)
-        self._difference.visible = False
-        above = (self._alert, self.actions.notice, self.bar, self.table)
-        return arrange(above, (panel(self.curves.layout), self._difference), panel(self.detail.layout),
-                       self.actions.dialogs)  # fmt: skip
+    def _furnish(self) -> None:
+        """Add what stands below the table, once the table stands."""
+        self.below = RunsBelow(self.settings, self._actions, self._change, self._act, self._write)
+        self.layout.extend([self._actions.notice, *self.below.items])
+        self._take()
+        pn.state.execute(self._settle)
 
     # What a person changes.
 
@@ -128,14 +122,14 @@ class RunsPage:
         if what == "pin" and record is not None:
             self._change(baseline=EXPERT if self.settings.baseline == record.id else record.id)
         elif record is not None:
-            self.actions.ask(what, [record])
+            self._actions.ask(what, [record])
 
     def _act_on_ticked(self, what: str) -> None:
         """A button of the bar."""
         if what == "untick":
             self._change(shown=())
         else:
-            self.actions.ask(what, self._ticked())
+            self._actions.ask(what, self._ticked())
 
     def _ticked(self) -> list[RunRecord]:
         return [record for key in self.settings.shown_runs if (record := self._index.get(key))]
@@ -143,7 +137,7 @@ class RunsPage:
     def _write(self, notes: RunNotes) -> None:
         record = self._listed.record if self._listed else None
         if record is not None:
-            pn.state.execute(partial(self.actions.write, record, notes))
+            pn.state.execute(partial(self._actions.write, record, notes))
 
     async def _moved(self, gone: Sequence[str]) -> None:
         self.settings = self.settings.without(gone)
@@ -165,18 +159,15 @@ class RunsPage:
         self.follower.start()
 
     async def start(self) -> None:
-        """Show the view of the address, then bring the index up to date."""
+        """Show the list of the address, then everything else."""
         self._ready = True
+        await self._relist()
+        pn.state.execute(self._furnish, schedule=True)
+
+    async def _settle(self) -> None:
+        """Draw what the view shows, then bring the index up to date."""
         await self.refresh(written=self.settings == self._opened)
         await self.tick()
-        if self.settings.run and self._listed is not None and self._listed.record is None:
-            self._complain()
-
-    def _complain(self) -> None:
-        try:
-            self._store.get(self.settings.run)
-        except SubMasError as error:
-            self.detail.show(None, None, f"{error}.")
 
     async def tick(self) -> None:
         """Follow the folders."""
@@ -209,18 +200,12 @@ class RunsPage:
     async def _remore(self) -> None:
         self._marks += 1
         mark, settings, listed = self._marks, self.settings, self._listed
-        if listed is None:
+        if listed is None or self.below is None:
             return
         more = await asyncio.to_thread(gather_more, self._index, settings, listed.listing)
         if mark == self._marks:
             # Figures may only be changed while the session's document is locked, which it is in a scheduled call.
-            pn.state.execute(partial(self._show_more, settings, more), schedule=True)
-
-    def _show_more(self, settings: RunsSettings, more: RunsMore) -> None:
-        self.curves.show(settings, more.drawing)
-        self.detail.show_lineage(more.lineage)
-        self.difference.object = more.difference
-        self._difference.visible = bool(more.difference)
+            pn.state.execute(partial(self.below.show, settings, more), schedule=True)
 
     async def _write_address(self) -> None:
         settings = self.settings
@@ -235,11 +220,8 @@ class RunsPage:
         try:
             self.bar.param.update(**bar_values(settings, listed, self._index.reading))
             self.table.param.update(**table_values(settings, listed))
-            self.curves.take(settings)
-            self._every.value = settings.every_field
             self._alert.param.update(object=html.escape(self._index.notice), visible=bool(self._index.notice))
-            if listed is not None:
-                self.detail.pin.label = "Unpin" if settings.baseline == settings.run else "Pin as baseline"
-                self.detail.show(listed.record, listed.run)
+            if self.below is not None:
+                self.below.take(settings, listed)
         finally:
             self._taking = False

@@ -1,4 +1,4 @@
-"""Where the parts of the Runs page stand."""
+"""Where the parts below the table of the Runs page stand."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ import panel as pn
 import panel_material_ui as pmui
 
 
-def arrange(above: Sequence[Any], left: Sequence[Any], right: Any, dialogs: Sequence[Any]) -> pn.viewable.Viewable:
-    """Bar and table over the whole width; below them curves and difference, and beside those the panel of the run."""
+def beside(left: Sequence[Any], right: Any) -> pn.viewable.Viewable:
+    """Curves and difference over each other, and beside them, or below where it is narrow, the panel of the run."""
     wide = pmui.Column(*left, margin=0, sx={"gap": "12px"}, styles={"flex": "3 1 560px", "min-width": "0"})
     narrow = pmui.Column(right, margin=0, styles={"flex": "2 1 340px", "min-width": "0"})
-    below = pn.FlexBox(wide, narrow, gap="12px", sizing_mode="stretch_width", margin=0)
-    return pn.Column(*above, below, *dialogs, sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "12px"})
+    return pn.FlexBox(wide, narrow, gap="12px", sizing_mode="stretch_width", margin=0)
 
 
 def difference_title(every_field: Any) -> pmui.Row:

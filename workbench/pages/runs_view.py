@@ -16,7 +16,7 @@ from workbench.pages.runs_settings import RunsSettings
 from workbench.run_folder import is_run_id, problem_of
 from workbench.run_index import RunIndex
 from workbench.run_index_record import RunRecord
-from workbench.runs import Run
+from workbench.runs import Run, RunStore
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,8 @@ class RunsList:
     record: RunRecord | None
     """The run that is read about."""
     run: Run | None
+    missing: str
+    """Why there is nothing to read about although the address names a run; empty otherwise."""
     version: int
     """Of the index, before it was asked."""
 
@@ -52,6 +54,7 @@ def gather_list(index: RunIndex, settings: RunsSettings, first: int = 0) -> Runs
         facets=facet_options(index.facets(settings.search.trashed), settings.search.chosen),
         record=record,
         run=None if record is None else run_of(index, record),
+        missing=_missing(index, settings.run) if record is None and settings.run else "",
         version=version,
     )
 
@@ -65,6 +68,14 @@ def gather_more(index: RunIndex, settings: RunsSettings, shown: Listing, with_li
         _difference(index, settings, records),
         _lineage(index, records.get(settings.run)) if with_lineage else "",
     )
+
+
+def _missing(index: RunIndex, run_id: str) -> str:
+    try:
+        RunStore(index.root).get(run_id)
+    except SubMasError as error:
+        return f"{error}."
+    return ""  # it has just been made: the next look finds it
 
 
 def _record(index: RunIndex, run_id: str) -> RunRecord | None:

@@ -20,6 +20,7 @@ from workbench.context import AppContext
 from workbench.pages import runs as runs_page
 from workbench.pages.runs import RunsPage
 from workbench.pages.runs_baseline import expert_rate
+from workbench.pages.runs_below import RunsBelow
 from workbench.pages.runs_detail import facts, head
 from workbench.pages.runs_groups import grouped
 from workbench.pages.runs_settings import EXPERT, SLOTS, RunsSettings, read_settings
@@ -79,6 +80,11 @@ def put(target: Any, **values: Any) -> None:
 def click(button: Any) -> None:
     """Press it."""
     put(button, clicks=button.clicks + 1)
+
+
+def below(page: RunsPage) -> RunsBelow:
+    assert page.below is not None
+    return page.below
 
 
 def lines(page: RunsPage) -> list[dict[str, Any]]:
@@ -167,8 +173,8 @@ def test_a_damaged_run_is_listed_with_a_sentence_among_the_others(many: AppConte
     line = next(line for line in lines(page) if line["key"] == bad.id)
     assert "config.json is not JSON" in line["problem"]
     assert page.table.total == COUNT + 1
-    assert "config.json is not JSON" in page.detail._panes["head"].object
-    assert page.detail.delete.visible
+    assert "config.json is not JSON" in below(page).detail._panes["head"].object
+    assert below(page).detail.delete.visible
 
 
 def test_success_is_told_beside_the_experts_on_the_same_task(many: AppContext) -> None:
@@ -185,11 +191,11 @@ def test_a_run_can_be_pinned_instead_and_is_drawn_dashed(many: AppContext) -> No
     many.index.look()
     record = many.index.find()[0]
     page = opened(many, run=record.id)
-    click(page.detail.pin)
+    click(below(page).detail.pin)
     assert page.settings.baseline == record.id
     assert pinned(page)["key"] == record.id
-    assert list(page.curves._figures[0].lines.data["dash"]) == ["dashed"]
-    click(page.detail.pin)
+    assert list(below(page).curves._figures[0].lines.data["dash"]) == ["dashed"]
+    click(below(page).detail.pin)
     assert page.settings.baseline == EXPERT
 
 
@@ -224,7 +230,7 @@ def test_groups_are_ordered_by_their_success_when_runs_are(many: AppContext) -> 
 
 def test_a_ticked_group_is_drawn_with_its_band(many: AppContext) -> None:
     page = opened(many, group="variant", show="group:submas")
-    figure = page.curves._figures[0]
+    figure = below(page).curves._figures[0]
     assert len(figure.lines.data["xs"]) == len(figure.bands.data["xs"]) == 1
     assert "10 runs" in figure.points.data["label"][0]
 
@@ -239,7 +245,7 @@ def test_ticked_runs_lie_over_each_other_with_the_experts_line(many: AppContext)
     for run_id in ids:
         put(page.table, asked=["tick", run_id, page.table.asked[2] + 1])
     assert page.settings.shown == tuple(ids)
-    figure = page.curves._figures[0]
+    figure = below(page).curves._figures[0]
     run = many.store.get(ids[0])
     rows = run.metrics()
     assert list(figure.lines.data["ys"][0]) == [row["success_rate"] for row in rows]
@@ -252,7 +258,7 @@ def test_ticked_runs_lie_over_each_other_with_the_experts_line(many: AppContext)
 def test_smoothing_stops_at_the_end_of_a_stage(many: AppContext) -> None:
     many.index.look()
     run = many.store.get(many.index.find(RunSearch("submas"))[0].id)
-    figure = opened(many, show=run.id, smooth="80").curves._figures[0]
+    figure = below(opened(many, show=run.id, smooth="80")).curves._figures[0]
     rates = [row["success_rate"] for row in run.metrics()]
     shown = np.asarray(figure.lines.data["ys"][0])
     # Every stage begins with what was measured, and two epochs later its first value weighs 0.8 to 1.
@@ -264,14 +270,14 @@ def test_smoothing_stops_at_the_end_of_a_stage(many: AppContext) -> None:
 def test_the_difference_names_what_differs_and_nothing_else(many: AppContext) -> None:
     ids = [many.store.create(TrainingConfig(seed=seed, name=HOSTILE)).id for seed in (1, 2)]
     page = opened(many, show=",".join(ids))
-    shown = page.difference.object
+    shown = below(page).difference.object
     assert shown.count('class="differs"') == 1
     assert 'scope="row">seed<' in shown
     assert "<img" not in shown
     assert 'scope="row">variant<' not in shown
-    put(page._every, value=True)
-    assert 'scope="row">variant<' in page.difference.object
-    assert 'scope="row">gamma<' in page.difference.object
+    put(below(page).every, value=True)
+    assert 'scope="row">variant<' in below(page).difference.object
+    assert 'scope="row">gamma<' in below(page).difference.object
 
 
 def test_lineage_leads_from_guide_to_guide(many: AppContext) -> None:
@@ -279,7 +285,7 @@ def test_lineage_leads_from_guide_to_guide(many: AppContext) -> None:
     append_line(first.path / "metrics.jsonl", {"stage": 0, "task": "source-3", "epoch": 2, "success_rate": 1.0})
     second = many.store.create(TrainingConfig(guide=first.id, missiles=2, name="second"))
     third = many.store.create(TrainingConfig(guide=str(second.path / "policy.safetensors"), missiles=3, name="third"))
-    shown = {run.id: opened(many, run=run.id).detail._panes["lineage"].object for run in (first, second, third)}
+    shown = {run.id: below(opened(many, run=run.id)).detail._panes["lineage"].object for run in (first, second, third)}
     assert "Navigation (expert)" in shown[first.id]
     assert "source-3" in shown[first.id]
     assert f"/runs?run={second.id}" in shown[first.id]
@@ -292,7 +298,7 @@ def test_runs_that_guide_each_other_end_somewhere(app: AppContext) -> None:
     one = app.store.create(TrainingConfig(missiles=1))
     two = app.store.create(TrainingConfig(missiles=2, guide=one.id))
     (one.path / "config.json").write_text((two.path / "config.json").read_text().replace(one.id, two.id))
-    assert "Lineage" in opened(app, run=one.id).detail._panes["lineage"].object
+    assert "Lineage" in below(opened(app, run=one.id)).detail._panes["lineage"].object
 
 
 # What is done with runs
@@ -302,12 +308,12 @@ def test_notes_and_tags_are_kept_in_the_folder(many: AppContext) -> None:
     many.index.look()
     record = many.index.find()[0]
     page = opened(many, run=record.id)
-    put(page.detail._note, value=HOSTILE)
-    put(page.detail._tags, value="keep, paper")
+    put(below(page).detail._note, value=HOSTILE)
+    put(below(page).detail._tags, value="keep, paper")
     assert read_notes(many.store.root / record.id) == RunNotes(HOSTILE, ("keep", "paper"))
     write_notes(many.store.root / record.id, RunNotes("written elsewhere"))
     do(page.tick())
-    assert page.detail._note.value == "written elsewhere"
+    assert below(page).detail._note.value == "written elsewhere"
 
 
 def test_deleting_asks_first_and_can_be_undone(many: AppContext) -> None:
@@ -315,14 +321,14 @@ def test_deleting_asks_first_and_can_be_undone(many: AppContext) -> None:
     ids = [record.id for record in many.index.find()[:2]]
     page = opened(many, show=",".join(ids), run=ids[0])
     put(page.bar, asked=["delete", 1])
-    assert page.actions._delete.open
+    assert below(page).actions._delete.open
     assert len(many.store.list()) == COUNT
-    do(page.actions._confirm())
+    do(below(page).actions._confirm())
     assert len(many.store.list()) == COUNT - 2
     assert page.settings.shown == ()
     assert page.settings.run == ""
-    assert "2 runs moved to the trash" in page.actions._words.object
-    do(page.actions._bring_back(None))
+    assert "2 runs moved to the trash" in below(page).actions._words.object
+    do(below(page).actions._bring_back(None))
     assert len(many.store.list()) == COUNT
     assert page.table.total == COUNT
 
@@ -332,9 +338,9 @@ def test_a_run_in_the_trash_is_restored_from_its_panel(many: AppContext) -> None
     many.store.delete(run.id)
     page = opened(many, view="trash", run=run.id)
     assert [line["key"] for line in lines(page)] == [run.id]
-    assert page.detail.restore.visible
-    assert not page.detail.delete.visible
-    click(page.detail.restore)
+    assert below(page).detail.restore.visible
+    assert not below(page).detail.delete.visible
+    click(below(page).detail.restore)
     assert len(many.store.list()) == COUNT
 
 
@@ -342,15 +348,15 @@ def test_a_run_that_was_moved_away_a_moment_ago_breaks_nothing(many: AppContext)
     many.index.look()
     gone, other = (record.id for record in many.index.find()[:2])
     many.store.delete(gone)
-    page = RunsPage(many)  # the index has not looked again: it takes the run to be where it was
+    page = RunsPage(many)
     page.settings = read_settings({"run": gone, "show": f"{gone},{other}"})
-    page._ready = True
-    do(page.refresh())
+    page.tick = page._relist  # the index does not look again: it takes the run to be where it was
+    do(page.start())
     assert page.table.total == COUNT
-    assert "config.json cannot be read" in page.difference.object
-    do(page.tick())
+    assert "config.json cannot be read" in below(page).difference.object
+    do(RunsPage.tick(page))
     assert page.table.total == COUNT - 1
-    assert page.detail.restore.visible
+    assert below(page).detail.restore.visible
 
 
 def test_a_running_run_is_not_deleted_and_says_so(app: AppContext) -> None:
@@ -358,13 +364,13 @@ def test_a_running_run_is_not_deleted_and_says_so(app: AppContext) -> None:
     lock = run.claim()
     run.write_state(RunState("running"))
     page = opened(app, run=run.id)
-    assert page.detail.delete.disabled
+    assert below(page).detail.delete.disabled
     record = app.index.get(run.id)
     assert record is not None
-    page.actions.ask_delete([record])
-    do(page.actions._confirm())
+    below(page).actions.ask_delete([record])
+    do(below(page).actions._confirm())
     os.close(lock or 0)
-    assert "is running; stop it" in page.actions._words.object
+    assert "is running; stop it" in below(page).actions._words.object
     assert [each.id for each in app.store.list()] == [run.id]
 
 
@@ -379,7 +385,7 @@ def test_new_runs_appear_and_the_choice_stays(app: AppContext) -> None:
 
 @pytest.mark.parametrize(("run", "sentence"), [("20200101-000000-aaaaaa", "is not in"), (HOSTILE, "is not a run id")])
 def test_an_unknown_run_is_a_sentence(run: str, sentence: str, app: AppContext) -> None:
-    shown = opened(app, run=run).detail._panes["head"].object
+    shown = below(opened(app, run=run)).detail._panes["head"].object
     assert sentence in shown
     assert "<img" not in shown
 
@@ -394,10 +400,10 @@ def test_nothing_a_run_says_is_markup(app: AppContext) -> None:
     settings = RunsSettings(run=run.id, shown=(run.id,))
     page = opened(app, run=run.id)
     more = gather_more(app.index, settings, page._listed.listing if page._listed else None)  # type: ignore[arg-type]
-    page.curves.show(settings, more.drawing)
-    shown = [head(record), facts(record, run_of(app.index, record)), more.lineage, page.curves._key.object]
-    page.actions.ask_delete([record])
-    shown.append(page.actions._question.object)
+    below(page).curves.show(settings, more.drawing)
+    shown = [head(record), facts(record, run_of(app.index, record)), more.lineage, below(page).curves._key.object]
+    below(page).actions.ask_delete([record])
+    shown.append(below(page).actions._question.object)
     assert not any("<img" in each for each in shown)
     assert sum("&lt;img" in each for each in shown) == len(shown)
 
@@ -417,4 +423,4 @@ def test_metrics_that_cannot_be_read_are_said_beside_the_curve(many: AppContext)
     with (run.path / "metrics.jsonl").open("a") as file:
         file.write("{torn\n{}\n")
     page = opened(many, show=run.id)
-    assert "metrics.jsonl, line 9 is not JSON" in page.curves._key.object
+    assert "metrics.jsonl, line 9 is not JSON" in below(page).curves._key.object
