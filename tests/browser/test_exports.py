@@ -56,7 +56,8 @@ def test_the_replay_plays_from_a_disk_and_asks_nobody(
     page.get_by_role("button", name="Play or pause").click()
     assert float(rail.input_value()) > 0.0
     page.get_by_role("button", name=re.compile("B missile 1 launched")).click()
-    assert float(rail.input_value()) == pytest.approx(ending(Outcome.SHOT_DOWN).events[0].time_s, abs=0.06)
+    launched_s = ending(Outcome.SHOT_DOWN).events[0].time_s
+    page.wait_for_function("(time) => Math.abs(document.getElementById('rail').value - time) < 0.06", arg=launched_s)
     assert page.locator("#scene").screenshot() != before
     assert asked == []
 
@@ -100,8 +101,9 @@ def test_a_figure_is_saved_as_picture_drawing_and_numbers(page: Page, tmp_path: 
     chart = azimuth_chart(range(1, 5))
     chart.show(ending(Outcome.EXIT), "A")
     path = tmp_path / "figure.html"
-    # Bokeh adds the scripts of every component that any other test has imported; a figure needs none of them.
-    path.write_text(re.sub(r"<script[^>]* src=[^>]*></script>", "", file_html(chart.figure, INLINE)), "utf-8")
+    # Bokeh adds scripts and styles of every component that any other test has imported; a figure needs none of them.
+    foreign = r"<script[^>]* src=[^>]*></script>|<link[^>]* href=[^>]*>"
+    path.write_text(re.sub(foreign, "", file_html(chart.figure, INLINE)), "utf-8")
     page.goto(path.as_uri())
     page.locator(".bk-Figure").first.hover()
     saved = {}

@@ -1,5 +1,4 @@
 // Search, facets and groups. Facets open as lists of boxes to tick in the browser's top layer, where nothing covers them.
-const TYPING_MS = 60
 let serial = 0
 
 function make(tag, name, parent, attributes = {}, text = "") {
@@ -25,9 +24,7 @@ export function render({model}) {
   const actions = make("span", "actions", root)
   const trash = make("button", "quiet trash", root, {type: "button"})
 
-  let timer = 0
-  search.oninput = () => { clearTimeout(timer); timer = setTimeout(() => { model.text = search.value }, TYPING_MS) }
-  search.onkeydown = (event) => { if (event.key === "Enter") { clearTimeout(timer); model.text = search.value } }
+  search.oninput = () => { model.text = search.value }  // Panel waits 50 ms for more before it tells Python
   group.onchange = () => { model.group = group.value }
   clear.onclick = () => { search.value = ""; model.text = ""; model.chosen = {}; draw() }
   trash.onclick = () => { model.trash = !model.trash; draw() }
