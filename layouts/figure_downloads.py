@@ -33,8 +33,10 @@ _CSV_CODE = (
     + """
 const names = sources.flatMap((s) => Object.keys(s.data));
 const rows = Math.max(...sources.map((s) => s.get_length() ?? 0));
-const quoted = (v) => /[",\\n]/.test(v) ? `"${v.replaceAll('"', '""')}"` : v;
-const cell = (v) => v === undefined || v === null || Number.isNaN(v) ? "" : quoted(String(v));
+const quoted = (v) => /[",\\n\\r]/.test(v) ? `"${v.replaceAll('"', '""')}"` : v;
+// A text that a spreadsheet would work out gets an apostrophe; numbers stay numbers.
+const plain = (v) => typeof v === "string" && /^[=+\\-@\\t\\r\\n＝＋－＠]/.test(v) ? "'" + v : String(v);
+const cell = (v) => v === undefined || v === null || Number.isNaN(v) ? "" : quoted(plain(v));
 const lines = [names.map(cell).join(",")];
 for (let i = 0; i < rows; i++)
   lines.push(sources.flatMap((s) => Object.values(s.data).map((c) => cell(c[i]))).join(","));

@@ -39,7 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _run(given)
     except SubMasError as error:
-        print(f"workbench: {error}", file=sys.stderr)
+        from workbench.terminal import print_line
+
+        print_line(f"workbench: {error}", error=True)
         return error.exit_code
     except KeyboardInterrupt:
         print("workbench: interrupted", file=sys.stderr)

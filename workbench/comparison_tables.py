@@ -14,6 +14,7 @@ from sim.world import Outcome
 from workbench.comparison_figures import FAILURES
 from workbench.comparison_grid import Grid
 from workbench.comparison_pairs import PairedFigures
+from workbench.csv_cells import plain_cell
 
 
 def figures_table(grid: Grid) -> str:
@@ -88,4 +89,4 @@ def _csv(rows: Sequence[Mapping[str, Any]]) -> str:
 def _cell(value: Any) -> Any:
     if value is None:
         return ""
-    return f"{value:.9g}" if isinstance(value, float) else value
+    return f"{value:.9g}" if isinstance(value, float) else plain_cell(value)

@@ -47,7 +47,7 @@ class _Watch:
 
     def __init__(self, store: RunStore, runs: Sequence[Run]) -> None:
         self.progress = Progress(
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=24),
             TextColumn("{task.percentage:>3.0f} %"),
             TextColumn("{task.fields[figures]}"),
@@ -73,7 +73,7 @@ class _Watch:
         for run, state in zip(self._runs, states, strict=True):
             for event in self._new_events(run):
                 self.say(f"{_name(run)}: {printable(str(event.get('text', '')))}")
-            description = f"{_name(run)} {state.task}".strip()
+            description = printable(f"{_name(run)} {state.task}".strip())
             self.progress.update(
                 self._rows[run.id], completed=state.progress, description=description, figures=_figures(state)
             )

@@ -17,6 +17,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from workbench.terminal import printable
+
 Update = Callable[[int, int], None]
 """Called with how much is done and how much there is."""
 
@@ -38,17 +40,17 @@ class Bar:
 
     def say(self, line: str) -> None:
         """Print a line above the bar; also where standard error is not a terminal and there is no bar."""
-        self._progress.console.print(line, soft_wrap=True)
+        self._progress.console.print(printable(line), soft_wrap=True)
 
 
 @contextlib.contextmanager
 def bar(description: str, unit: str = "") -> Iterator[Bar]:
     """A progress bar while the block runs; silent when standard error is not a terminal."""
     screen = console()
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit),
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TextColumn(unit),
                TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())  # fmt: skip
     # Work of one kind may come in lumps of a minute: the speed is that of the last five.
     with Progress(
         *columns, console=screen, transient=True, disable=not screen.is_terminal, speed_estimate_period=300.0
     ) as progress:
-        yield Bar(progress, progress.add_task(description, total=None))
+        yield Bar(progress, progress.add_task(printable(description), total=None))

@@ -18,8 +18,21 @@ PIPE_WIDTH = 200
 
 
 def print_json(value: Mapping[str, Any]) -> None:
-    """One JSON object on standard output; numbers that are not finite become null."""
-    print(json.dumps(strict(value), indent=2, ensure_ascii=False, allow_nan=False))
+    """One JSON object on standard output; numbers that are not finite become null.
+
+    Control and direction characters are JSON escapes, so that a name cannot steer a terminal here either.
+    """
+    text = json.dumps(strict(value), indent=2, ensure_ascii=False, allow_nan=False)
+    print(text if _harmless(text) else "".join(c if _harmless(c) else json.dumps(c)[1:-1] for c in text))
+
+
+def _harmless(text: str) -> bool:
+    return text.replace("\n", "").isprintable()
+
+
+def print_line(text: str, *, error: bool = False) -> None:
+    """One line on standard output or standard error; names in it are data, as everywhere."""
+    print(printable(text), file=sys.stderr if error else sys.stdout)
 
 
 def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], title: str = "") -> None:
@@ -37,7 +50,7 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], title: st
 
 def print_warning(sentence: str) -> None:
     """One line on standard error: something a person should know though nothing failed."""
-    print(f"workbench: warning: {printable(sentence)}", file=sys.stderr)
+    print_line(f"workbench: warning: {sentence}", error=True)
 
 
 def printable(text: str) -> str:

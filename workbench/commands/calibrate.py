@@ -78,7 +78,7 @@ def _search(args: Args) -> int:
     from workbench.cli import INTERRUPTED
     from workbench.progress import bar
     from workbench.scenario_search import Budget, Order, check_out, find, nothing_found, write
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     assert args.out is not None
     check_out(args.out, args.force)
@@ -95,20 +95,21 @@ def _search(args: Args) -> int:
         print_json(figures | {"search": found | {"interrupted": finding.interrupted}})
     else:
         _show(figures)
-        print(f"\nwritten to {args.out}; with fresh initial states: workbench calibrate --scenario {args.out}")
+        print()
+        print_line(f"written to {args.out}; with fresh initial states: workbench calibrate --scenario {args.out}")
     if finding.interrupted:
         return INTERRUPTED
     return 0 if best.met else 1
 
 
 def _show(figures: Mapping[str, Any]) -> None:
-    from workbench.terminal import print_table
+    from workbench.terminal import print_line, print_table
 
     targets = figures["targets"]
     title = f"scenario {figures['scenario']}: {figures['episodes']} engagements each, seed {figures['seed']}"
     print_table(("target", "value", "95 % interval", "accepted", "verdict"), [_row(t) for t in targets], title=title)
     for line in figures["left_out"]:
-        print(f"left out: {line['name']} ({line['reason']})")
+        print_line(f"left out: {line['name']} ({line['reason']})")
     met = sum(target["ok"] for target in targets)
     print(f"\n{met} of {len(targets)} targets met, shortfall {figures['shortfall']:.3g}")
     if any(target["verdict"] == "undecided" for target in targets):

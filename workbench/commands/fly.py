@@ -46,7 +46,7 @@ def run(args: Args) -> int:
     from workbench.policies import resolve_policy
     from workbench.runs import RunStore
     from workbench.scenarios import trained_elsewhere
-    from workbench.terminal import print_json, print_warning
+    from workbench.terminal import print_json, print_line, print_warning
 
     if args.seed < 0:
         raise UsageError(f"--seed is {args.seed}; it must not be negative")
@@ -67,7 +67,7 @@ def run(args: Args) -> int:
     for flight in flights:
         _show(flight)
     if args.out is not None:
-        print(f"written to {args.out}")
+        print_line(f"written to {args.out}")
     for warning in warnings:
         print_warning(warning)
     return 0

@@ -179,16 +179,18 @@ def _summary(result: ResultSet, files: Sequence[Path]) -> dict[str, Any]:
 
 def _show(report: Report, files: Mapping[str, Sequence[Path]]) -> None:
     from workbench.reproduce.scorecard import scorecard
-    from workbench.terminal import print_table, print_warning
+    from workbench.terminal import print_line, print_table, print_warning
 
     for item, result in report.results.items():
         card = scorecard(result.item, result)
-        print(f"{card.title}\n")
+        print_line(card.title)
+        print()
         for table in card.tables:
             print_table(table.columns, table.rows, title=table.title)
             print()
         for note in card.notes:
-            print(note)
-        print(f"written to {', '.join(str(path) for path in files[item])}\n")
+            print_line(note)
+        print_line(f"written to {', '.join(str(path) for path in files[item])}")
+        print()
     for sentence in report.failures:
         print_warning(sentence)

@@ -78,7 +78,7 @@ def _trash(store: RunStore, args: Args) -> None:
 
 def _table(runs: list[Run], args: Args, nothing: str) -> None:
     from workbench.policies import title
-    from workbench.terminal import duration, percent, print_json, print_table
+    from workbench.terminal import duration, percent, print_json, print_line, print_table
 
     if args.json:
         print_json({"runs": [facts(run) for run in runs]})
@@ -94,12 +94,12 @@ def _table(runs: list[Run], args: Args, nothing: str) -> None:
     if rows:
         print_table(("run", "state", "training", "progress", "success", "time"), rows)
     else:
-        print(nothing)
+        print_line(nothing)
 
 
 def _show(store: RunStore, args: Args) -> None:
     from workbench.stages import summarise
-    from workbench.terminal import print_json, print_table
+    from workbench.terminal import print_json, print_line, print_table
 
     run = store.get(args.run)
     found = facts(run)
@@ -111,27 +111,29 @@ def _show(store: RunStore, args: Args) -> None:
     rows = [(name, _cell(value)) for name, value in (found | config).items()]
     print_table(("field", "value"), rows)
     for event in [] if run.problem else run.events():
-        print(f"{event.get('wall_s', 0):9.1f} s  {_cell(event.get('text'))}")
+        wall_s = event.get("wall_s")
+        when = f"{wall_s:.1f}" if isinstance(wall_s, int | float) else "–"
+        print_line(f"{when:>9} s  {_cell(event.get('text'))}")
 
 
 def _delete(store: RunStore, args: Args) -> None:
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     target = store.delete(args.run)
     if args.json:
         print_json({"id": args.run, "moved_to": str(target)})
     else:
-        print(f"run {args.run} is now {target}; 'workbench runs restore {args.run}' brings it back")
+        print_line(f"run {args.run} is now {target}; 'workbench runs restore {args.run}' brings it back")
 
 
 def _restore(store: RunStore, args: Args) -> None:
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     run = store.restore(args.run)
     if args.json:
         print_json({"id": run.id, "restored_to": str(run.path)})
     else:
-        print(f"run {run.id} is back: {run.path}")
+        print_line(f"run {run.id} is back: {run.path}")
 
 
 def _empty(store: RunStore, args: Args) -> None:

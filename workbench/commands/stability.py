@@ -39,7 +39,7 @@ class Args:
 def run(args: Args) -> int:
     """Train what is missing, write file and picture, show the table; returns 130 after Ctrl-C."""
     from workbench.stability import COLUMNS, load, rows, save, wishes
-    from workbench.terminal import print_json, print_table
+    from workbench.terminal import print_json, print_line, print_table
 
     _check(args)
     path = args.out or _default_file()
@@ -58,7 +58,7 @@ def run(args: Args) -> int:
         print_json({"trials": [trial.to_json() for trial in shown], "files": files, "interrupted": interrupted})
     else:
         print_table(COLUMNS, rows(shown), title="The target task's stage, 40 epochs; success in percent")
-        print(f"written to {', '.join(files)}" if files else "no trial yet")
+        print_line(f"written to {', '.join(files)}" if files else "no trial yet")
     return 130 if interrupted else 0
 
 

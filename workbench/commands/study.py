@@ -56,7 +56,7 @@ class Args:
 def run(args: Args) -> int:
     """Fly, show, and write the files that are asked for."""
     from workbench.study_files import check_study_file, write_study
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     _check(args)
     for path in args.out:
@@ -69,7 +69,7 @@ def run(args: Args) -> int:
     else:
         _show(study)
         for path in args.out:
-            print(f"written to {path}")
+            print_line(f"written to {path}")
     return 0
 
 
@@ -103,9 +103,12 @@ def _fly(args: Args) -> Envelope:
 
 def _show(study: Envelope) -> None:
     from workbench.study_files import caption, title
-    from workbench.terminal import percent, print_table
+    from workbench.terminal import percent, print_line, print_table
 
-    print(f"{title(study)}: {percent(float(study.survived.mean()))} of all flights\n{caption(study)}\n")
+    print_line(f"{title(study)}: {percent(float(study.survived.mean()))} of all flights")
+    for line in caption(study).split("\n"):
+        print_line(line)
+    print()
     boundaries = study.boundaries()
     print_table(*(_boundary_rows(boundaries) if boundaries else _share_rows(study)))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,12 +125,14 @@ def summary(run: Run) -> dict[str, Any]:
 
 def failures(runs: Sequence[Run]) -> int:
     """Say on standard error which trainings failed and why; the exit code."""
+    from workbench.terminal import print_line
+
     failed = [run for run in runs if run.state.state in ("failed", "interrupted")]
     for run in failed:
         reason = run.state.error or "its process ended without a word"
-        print(
+        print_line(
             f"workbench: run {run.id} {run.state.state}: {reason}; see {run.path / 'log.txt'}, "
             f"and 'workbench resume {run.id}' lets it go on",
-            file=sys.stderr,
+            error=True,
         )
     return 1 if failed else 0

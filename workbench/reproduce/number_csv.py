@@ -7,6 +7,7 @@ import io
 from collections.abc import Sequence
 from typing import Final
 
+from workbench.csv_cells import plain_row
 from workbench.reproduce.result_set import ResultSet
 
 COLUMNS: Final = (
@@ -50,5 +51,5 @@ def _text(columns: tuple[str, ...], rows: Sequence[Sequence[object]]) -> str:
     content = io.StringIO()
     writer = csv.writer(content, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(rows)
+    writer.writerows(map(plain_row, rows))
     return content.getvalue()
