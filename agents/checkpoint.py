@@ -21,10 +21,12 @@ from agents.disk import replace_file
 from agents.features import ObservationFeatures
 from agents.policy import ACTIVATIONS, SQUASHES, NetworkPolicy
 from agents.task import Domain, FloatArray
-from sim.errors import UsageError
+from sim.errors import UsageError, shorten
 
 SIZE_LIMIT: Final = 4_000_000
 """Largest policy file that is read [bytes]."""
+HEADER_LIMIT: Final = 64 * 1024
+"""Longest header, card included, that is parsed [bytes]."""
 CARD_KEY: Final = "card"
 _BENDS: Final = {"activation": ACTIVATIONS, "squash": SQUASHES}
 
@@ -100,7 +102,7 @@ def load_policy(path: Path | str, domain: Domain | None = None) -> NetworkPolicy
     try:
         tensors = load(content)
     except (SafetensorError, ValueError, KeyError, TypeError) as error:
-        raise PolicyFileError(f"policy file '{path}' is damaged: {error}") from None
+        raise PolicyFileError(f"policy file '{path}' is damaged: {shorten(str(error), 200)}") from None
     layers = _layers(path, tensors, [features.size, *card.hidden, 1])
     limit = (domain or _evasion()).action_limit
     return NetworkPolicy(card.name, features, layers, limit, card, activation=card.activation, squash=card.squash)
@@ -128,11 +130,29 @@ def _card(path: Path, content: bytes) -> PolicyCard:
     """The card in a file's header; every field present, none unknown, all of the right type."""
     try:
         (length,) = struct.unpack("<Q", content[:8])
-        header = json.loads(content[8 : 8 + length])
-        values = json.loads(header["__metadata__"][CARD_KEY])
+        if length > HEADER_LIMIT:
+            raise ValueError("a header as long as no policy's")
+        header = _strict_json(content[8 : 8 + length])
+        values = _strict_json(header["__metadata__"][CARD_KEY])
     except (struct.error, ValueError, KeyError, TypeError, RecursionError):
         raise PolicyFileError(f"policy file '{path}' is damaged or has no card") from None
     return card_from_json(values, f"policy file '{path}'")
+
+
+def _strict_json(text: bytes | str) -> Any:
+    """JSON in which no key occurs twice and every number is finite; two readers could take others for two meanings."""
+    return json.loads(text, object_pairs_hook=_distinct, parse_constant=_refuse_constant)
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    values = dict(pairs)
+    if len(values) < len(pairs):
+        raise ValueError("a key occurs twice")
+    return values
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is no JSON number")
 
 
 def card_from_json(values: Any, where: str) -> PolicyCard:
@@ -153,7 +173,7 @@ def card_from_json(values: Any, where: str) -> PolicyCard:
     given = [item for item in dataclasses.fields(PolicyCard) if item.name in values]
     wrong = [item.name for item in given if not _legal(item, values[item.name])]
     if wrong:
-        raise PolicyFileError(f"{where} has a card whose {wrong[0]} is {values[wrong[0]]!r}")
+        raise PolicyFileError(f"{where} has a card whose {wrong[0]} is {shorten(repr(values[wrong[0]]))}")
     return PolicyCard(**values)
 
 

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 
+def shorten(text: str, limit: int = 60) -> str:
+    """Foreign text cut to a length that fits in a sentence."""
+    return text if len(text) <= limit else text[: limit - 1] + "…"
+
+
 class SubMasError(Exception):
     """Base of every error that is shown to a person as one sentence, without a traceback."""
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.assets import asset_path
-from sim.errors import ScenarioError
+from sim.errors import ScenarioError, shorten
 from sim.scenario import (
     Aircraft,
     Battlefield,
@@ -30,6 +30,10 @@ SECTIONS: dict[str, type] = {
 }  # fmt: skip
 OPTIONAL = {"variation", "sensor"}
 """Sections a file may leave out, as it may leave out their keys: what is not said is off."""
+SIZE_LIMIT = 256 * 1024
+"""Largest scenario file that is read [bytes]."""
+TEXT_LIMITS = {"name": 100, "description": 1000}
+"""Longest texts of a scenario [characters]."""
 
 
 def scenario_names() -> list[str]:
@@ -44,9 +48,20 @@ def load_scenario(name: str = "default") -> Scenario:
         ScenarioError: no such scenario, or the file is damaged; names the key, the value and the legal range.
     """
     path = Path(name) if name.endswith(".toml") else asset_path("scenarios", f"{name}.toml")
-    if not path.is_file():
-        raise ScenarioError(f"no scenario '{name}'; there are {', '.join(scenario_names())}, or a path to a .toml file")
-    return _load(path.read_bytes(), str(path))
+    try:
+        if not path.is_file():
+            raise FileNotFoundError
+        with path.open("rb") as file:
+            content = file.read(SIZE_LIMIT + 1)
+    except FileNotFoundError:
+        known = ", ".join(scenario_names())
+        raise ScenarioError(f"no scenario '{shorten(name)}'; there are {known}, or a path to a .toml file") from None
+    except (OSError, ValueError) as error:  # ValueError: a zero byte or half a surrogate pair in the name
+        reason = getattr(error, "strerror", None) or error
+        raise ScenarioError(f"scenario '{shorten(name)}' cannot be read: {reason}") from None
+    if len(content) > SIZE_LIMIT:
+        raise ScenarioError(f"scenario file {path} is larger than {SIZE_LIMIT // 1024} kB, no scenario is")
+    return _load(content, str(path))
 
 
 @cache
@@ -54,8 +69,8 @@ def _load(content: bytes, origin: str) -> Scenario:
     # Kept by content, so that an edited file is read anew.
     try:
         table = tomllib.loads(content.decode())
-    except ValueError as error:  # damaged TOML or UTF-8, and whole numbers of thousands of digits
-        raise ScenarioError(f"scenario file {origin} is not TOML: {error}") from None
+    except (ValueError, RecursionError) as error:  # damaged TOML or UTF-8, numbers of thousands of digits, nests
+        raise ScenarioError(f"scenario file {origin} is not TOML: {shorten(str(error), 200)}") from None
     return parse_scenario(table, origin)
 
 
@@ -66,9 +81,11 @@ def parse_scenario(table: dict[str, Any], origin: str) -> Scenario:
         ScenarioError: a key is unknown or missing, or a value has the wrong type or lies outside its range.
     """
     _check_keys(table, {"name", "description", *SECTIONS}, origin, OPTIONAL)
-    for key in ("name", "description"):
+    for key, limit in TEXT_LIMITS.items():
         if not isinstance(table[key], str):
-            raise ScenarioError(f"{origin}: {key} must be text, not {table[key]!r}")
+            raise ScenarioError(f"{origin}: {key} must be text, not {_shown(table[key])}")
+        if len(table[key]) > limit or not table[key].isprintable():
+            raise ScenarioError(f"{origin}: {key} must be one line of at most {limit} printable characters")
     sections = {key: _section(SECTIONS[key], table[key], f"{origin}: {key}") for key in SECTIONS if key in table}
     scenario = Scenario(name=table["name"], description=table["description"], **sections)
     _check_relations(scenario, origin)
@@ -107,7 +124,7 @@ def _quoted(text: str) -> str:
 
 def _section(cls: type, table: Any, origin: str) -> Any:
     if not isinstance(table, dict):
-        raise ScenarioError(f"{origin} must be a table, not {table!r}")
+        raise ScenarioError(f"{origin} must be a table, not {_shown(table)}")
     fields = {field.name: field for field in dataclasses.fields(cls)}
     optional = {name for name, field in fields.items() if field.default is not dataclasses.MISSING}
     _check_keys(table, set(fields), origin, optional)
@@ -117,7 +134,7 @@ def _section(cls: type, table: Any, origin: str) -> Any:
 def _check_keys(table: dict[str, Any], legal: set[str], origin: str, optional: set[str]) -> None:
     unknown, missing = sorted(set(table) - legal), sorted(legal - set(table) - optional)
     if unknown:
-        raise ScenarioError(f"{origin}: unknown key '{unknown[0]}'; legal are {', '.join(sorted(legal))}")
+        raise ScenarioError(f"{origin}: unknown key '{shorten(unknown[0])}'; legal are {', '.join(sorted(legal))}")
     if missing:
         raise ScenarioError(f"{origin}: key '{missing[0]}' is missing")
 
@@ -127,10 +144,18 @@ def _number(value: Any, field: dataclasses.Field, origin: str) -> float | int:
     whole = field.type == "int"
     legal = f"a {'whole ' if whole else ''}number from {low:g} to {high:g}"
     if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
-        raise ScenarioError(f"{origin} is {value!r}; legal is {legal}")
+        raise ScenarioError(f"{origin} is {_shown(value)}; legal is {legal}")
     if not low <= value <= high:  # NaN lies in no range
-        raise ScenarioError(f"{origin} is {value}; legal is {legal}")
+        raise ScenarioError(f"{origin} is {_shown(value)}; legal is {legal}")
     return int(value) if whole else float(value)
+
+
+def _shown(value: Any) -> str:
+    """A wrong value as it is said: cut where it would fill a screen, its kind where it is too deep to be written."""
+    try:
+        return shorten(repr(value))
+    except RecursionError:
+        return f"a {type(value).__name__}"
 
 
 def _check_relations(scenario: Scenario, origin: str) -> None:

@@ -8,8 +8,8 @@ import itertools
 import re
 from collections.abc import Collection, Iterable
 
+from sim.errors import shorten
 from workbench.branch import FULL_CIRCLE_DEG, Branch, BranchError
-from workbench.run_folder import shorten
 
 BY_HAND = "by-hand."
 FLIGHTS = ("A", "B")

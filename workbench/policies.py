@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.assets import asset_path
-from sim.errors import UsageError
+from sim.errors import UsageError, shorten
 from sim.scenario_file import load_scenario
 from sim.task import Task
-from workbench.run_folder import shorten
 from workbench.runs import RunStore, is_run_id
 from workbench.scenarios import other_scenario
 
@@ -62,10 +61,18 @@ def resolve_policy(spec: str, store: RunStore | None = None) -> Policy:
         return load_policy(asset_path("policies", spec + SUFFIX))
     if store is not None and is_run_id(spec):
         return load_policy(_run_policy(spec, store))
-    path = Path(spec).expanduser()
-    if spec.endswith(SUFFIX) and path.is_file():
+    if spec.endswith(SUFFIX) and (path := _file(spec)) is not None:
         return load_policy(path)
     raise UnknownPolicyError(_unknown(spec))
+
+
+def _file(spec: str) -> Path | None:
+    """The plain file of this path; None for anything else, also for what can be no path at all."""
+    try:
+        path = Path(spec).expanduser()
+        return path if path.is_file() else None
+    except (OSError, RuntimeError, ValueError):  # too long a name, `~nobody`, a zero byte
+        return None
 
 
 def _expert(name: str) -> Policy:

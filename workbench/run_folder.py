@@ -27,6 +27,7 @@ from workbench.run_files import (
     signature,
     take_lock,
     waiting_lock,
+    write_bytes,
     write_json,
 )
 from workbench.run_state import RunState
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 RUN_ID = re.compile(r"[0-9]{8}-[0-9]{6}-[a-z0-9]{6}")
 LAUNCHER_LOCK = ".launcher.lock"
+END_AT_ONCE = b"now"
+"""What the file `stop` holds when not even the epoch is to be ended."""
 
 
 class RunBusyError(SubMasError):
@@ -88,15 +91,15 @@ class Run:
             RunFileError: `state.json` is missing or damaged.
         """
         written = self._written_state()
-        if written.state != "running":
+        if not written.claimed:
             return written
         if self.is_alive():
-            silent = written.silent(time.monotonic())
+            silent = written.state == "running" and written.silent(time.monotonic())
             return dataclasses.replace(written, state="stalled") if silent else written
         # The lock was free after "running" was read, so the process is gone; it may have written its last
         # word in between.
         written = self._written_state()
-        return dataclasses.replace(written, state="interrupted") if written.state == "running" else written
+        return dataclasses.replace(written, state="interrupted") if written.claimed else written
 
     def _written_state(self) -> RunState:
         seen = signature(self.path / "state.json")
@@ -170,6 +173,16 @@ class Run:
         """
         self._request("pause", "paused")
 
+    def request_end(self) -> None:
+        """Tell whoever looks after a cluster's run to end it at once, as `launcher.stop_now` does a process here."""
+        write_bytes(self.path / "stop", END_AT_ONCE)
+
+    def end_requested(self) -> bool:
+        """Whether a cluster's run is to end at once."""
+        with contextlib.suppress(OSError):
+            return (self.path / "stop").read_bytes() == END_AT_ONCE
+        return False
+
     def _request(self, wish: str, outcome: str) -> None:
         with waiting_lock(self.path.parent / LAUNCHER_LOCK):
             state = self.state
@@ -188,8 +201,8 @@ class Run:
         """Whether somebody asked this run to pause."""
         return (self.path / "pause").exists()
 
-    def requeue(self) -> None:
-        """Put a run that ended before its end into the queue again; who calls this holds the launcher's lock.
+    def requeue(self, engine: str = "") -> None:
+        """Put a run that ended before its end into an engine's queue; who calls this holds the launcher's lock.
 
         Raises:
             RunBusyError: it is finished, waits already, or is alive.
@@ -200,16 +213,15 @@ class Run:
             raise RunBusyError(f"run {self.id} cannot be resumed: it is running")
         try:
             state = self._written_state()
-            if state.state == "running":  # we hold its lock, so its process is gone
+            if state.claimed:  # we hold its lock, so its process is gone
                 state = dataclasses.replace(state, state="interrupted")
             if not state.resumable:
                 reason = "there is nothing left to train" if state.state == "finished" else f"it is {state.state}"
                 raise RunBusyError(f"run {self.id} cannot be resumed: {reason}")
             for wish in ("stop", "pause"):
                 (self.path / wish).unlink(missing_ok=True)
-            self.write_state(
-                dataclasses.replace(state, state="queued", resumes=state.resumes + 1, pid=None, updated=now())
-            )
+            anew = {"state": "queued", "pid": None, "beat_s": None, "engine": engine, "node": "", "retries": 0}
+            self.write_state(dataclasses.replace(state, **anew, resumes=state.resumes + 1, updated=now()))
         except OSError as error:
             raise RunFileError(f"run {self.id} cannot be resumed: {error.strerror}") from error
         finally:
@@ -219,11 +231,6 @@ class Run:
 def now() -> str:
     """The wall-clock time as ISO 8601 with the zone, to the microsecond."""
     return datetime.now().astimezone().isoformat(timespec="microseconds")
-
-
-def shorten(text: str, limit: int = 60) -> str:
-    """Foreign text cut to a length that fits in a sentence."""
-    return text if len(text) <= limit else text[: limit - 1] + "…"
 
 
 def problem_of(run: Run) -> str:

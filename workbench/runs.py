@@ -13,9 +13,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.errors import SubMasError, UsageError
+from sim.errors import SubMasError, UsageError, shorten
 from workbench.run_files import RunFileError, waiting_lock, write_json
-from workbench.run_folder import LAUNCHER_LOCK, Run, RunBusyError, is_run_id, now, problem_of, shorten
+from workbench.run_folder import LAUNCHER_LOCK, Run, RunBusyError, is_run_id, now, problem_of
 from workbench.run_state import RunState
 
 if TYPE_CHECKING:
@@ -84,8 +84,8 @@ class RunStore:
         run.problem = problem_of(run)
         return run
 
-    def create(self, config: TrainingConfig) -> Run:
-        """A new run folder with this configuration, queued. It appears whole or not at all.
+    def create(self, config: TrainingConfig, engine: str = "") -> Run:
+        """A new run folder with this configuration, queued at an engine. It appears whole or not at all.
 
         Raises:
             RunsFolderError: the runs folder cannot be made or written.
@@ -96,7 +96,7 @@ class RunStore:
             (draft / "policies").mkdir(parents=True)
             (draft / "evaluations").mkdir()
             write_json(draft / "config.json", config.to_json())
-            write_json(draft / "state.json", RunState("queued", created=now(), updated=now()).to_json())
+            write_json(draft / "state.json", RunState("queued", created=now(), updated=now(), engine=engine).to_json())
             os.rename(draft, self.root / run_id)
         except (OSError, RunFileError) as error:
             reason = error.strerror if isinstance(error, OSError) else error

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.errors import ScenarioError
+from sim.errors import ScenarioError, shorten
 from sim.scenario_file import load_scenario, scenario_names
-from workbench.run_folder import shorten
 from workbench.runs import RunStore
 
 if TYPE_CHECKING:

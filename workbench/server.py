@@ -7,6 +7,7 @@ import contextlib
 import errno
 import logging
 import os
+import platform
 import signal
 import sys
 import threading
@@ -15,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.errors import SubMasError, UsageError
+from sim.errors import SubMasError, UsageError, shorten
 from workbench.guard import Guard, stand_before
 from workbench.launcher import tend
 from workbench.run_files import take_lock
@@ -26,8 +27,14 @@ if TYPE_CHECKING:
     from workbench.context import AppContext
 
 HOST = "127.0.0.1"
+OWN_NAMES = (HOST, "localhost")
 LOCK = ".serve.lock"
 INTERRUPTED = 130
+MESSAGE_LIMIT_BYTES = 8 * 1024 * 1024
+"""Largest message of a page: a picture of the 3-D scene; everything else is small."""
+REQUEST_LIMITS = {"max_header_size": 64 * 1024, "max_body_size": 64 * 1024, "body_timeout": 10.0,
+                  "idle_connection_timeout": 60.0}  # fmt: skip
+"""Nothing here takes a body; who sends one, or a request drop by drop, is not waited for [bytes, s]."""
 WARM = (
     "workbench.pages.fly",
     "workbench.pages.curriculum",
@@ -45,20 +52,27 @@ class ServeError(SubMasError):
     """The server cannot start here."""
 
 
-def serve(runs: Path, port: int = 5006, browser: bool = True) -> int:
+def serve(runs: Path, port: int = 5006, browser: bool = True, host: str = HOST) -> int:
     """Serve until SIGINT (returns 130) or SIGTERM (returns 0).
 
     Args:
         runs: the runs folder, made when missing; one server at a time.
         port: 0 takes any free one.
         browser: whether to open the pages in the person's browser.
+        host: an address of this machine that nobody else can reach.
 
     Raises:
-        UsageError: an impossible port.
+        UsageError: an impossible port, or a host that others can reach.
         ServeError: the port or the runs folder is taken, or the folder cannot be written.
     """
     if not 0 <= port <= 65535:
         raise UsageError(f"port {port} does not exist; choose 1 to 65535, or 0 for any free one (--port)")
+    if host not in OWN_NAMES:
+        raise UsageError(
+            f"--host {shorten(host)}: the pages start processes as you and are served to this machine alone; "
+            f"from another machine run 'ssh -L {port or 5006}:localhost:{port or 5006} {shorten(platform.node())}' "
+            f"and open http://localhost:{port or 5006}/ there"
+        )
     logging.basicConfig(level=logging.WARNING, format="workbench: %(message)s")
     logging.getLogger("bokeh").setLevel(logging.ERROR)  # its warnings are about layout, for whoever writes a page
     with claim(runs) as lock:
@@ -143,6 +157,8 @@ def build(context: AppContext, guard: Guard, port: int) -> Server:
             title={name: f"{title} · {TITLE}" for name, title in PAGES.items()},
             websocket_origin=["*"],  # the guard compares origin and host on any port; Bokeh could only know fixed ones
             use_index=False,
+            http_server_kwargs=dict(REQUEST_LIMITS),
+            websocket_max_message_size=MESSAGE_LIMIT_BYTES,
             check_unused_sessions_milliseconds=5000,  # a page that was left stops its clock and scene soon
             extra_patterns=[
                 *file_routes(context.recordings.folder),

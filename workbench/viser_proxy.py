@@ -2,6 +2,7 @@
 
 viser itself knows neither users nor origins. Ours listen on loopback only and accept a websocket only with an origin
 that nobody but this process knows, so another site's page or another user of the machine cannot pass the front door by.
+A scene is there to be looked at: of what its page says only where the camera is and what it sees is passed on.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     import viser
 
 MESSAGE_LIMIT_BYTES = 64 * 1024 * 1024
+LOOKS = frozenset({"ViewerCameraMessage", "GetRenderResponseMessage"})
+"""What a scene's page may tell its server; presses, uploads, typed values and requests to be shared are dropped."""
 _construction = threading.Lock()
 
 
@@ -81,6 +84,16 @@ def _loopback_server(origin: str) -> viser.ViserServer:
             sockets.serve = plain
     server.gui.configure_theme(show_logo=False, show_share_button=False)
     return server
+
+
+def only_looks(message: str | bytes) -> bool:
+    """Whether a message of a scene's page is one of LOOKS; what cannot be read is not."""
+    import msgspec
+
+    try:
+        return isinstance(message, bytes) and msgspec.msgpack.decode(message, type=dict[str, Any])["type"] in LOOKS
+    except (msgspec.DecodeError, KeyError, TypeError, RecursionError):
+        return False
 
 
 @functools.lru_cache(maxsize=1)
@@ -146,8 +159,8 @@ class ViserHandler(WebSocketHandler):
         self.close(upstream.close_code, upstream.close_reason)
 
     async def on_message(self, message: str | bytes) -> None:
-        """Pass a message of the page on to the session's server."""
-        if self._upstream is not None:
+        """Pass a message of the page on to the session's server, if it only looks."""
+        if self._upstream is not None and only_looks(message):
             try:
                 await self._upstream.write_message(message, binary=isinstance(message, bytes))
             except WebSocketClosedError:

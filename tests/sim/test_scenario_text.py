@@ -34,9 +34,15 @@ def test_every_legal_scenario_survives_being_written(seed: int) -> None:
 
 
 @pytest.mark.parametrize("text", NAMES)
-def test_any_name_survives_being_written(text: str) -> None:
-    again = read_back(dataclasses.replace(DRILL, name=text, description=text + text))
-    assert (again.name, again.description) == (text, text + text)
+def test_any_name_survives_being_written_and_only_a_printable_line_is_read(text: str) -> None:
+    named = dataclasses.replace(DRILL, name=text, description=text + text)
+    assert tomllib.loads(scenario_text(named))["name"] == text
+    if text.isprintable():
+        again = read_back(named)
+        assert (again.name, again.description) == (text, text + text)
+    else:
+        with pytest.raises(ScenarioError, match="name must be one line of at most 100 printable characters"):
+            read_back(named)
 
 
 def test_what_is_off_is_not_written_and_what_is_on_is() -> None:

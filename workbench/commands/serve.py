@@ -20,10 +20,12 @@ class Args:
     """Port to listen on; 0 takes any free one."""
     runs: Path = Path("runs")
     """Folder of the runs."""
+    host: str = "127.0.0.1"
+    """Always this machine: any other address is refused with the way to reach the pages from elsewhere."""
     no_browser: bool = False
     """Only print the address."""
 
 
 def run(args: Args) -> int:
     """Serve until interrupted."""
-    return serve(args.runs, args.port, browser=not args.no_browser)
+    return serve(args.runs, args.port, browser=not args.no_browser, host=args.host)

@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 from layouts.lattice import Lattice, Mask, chain_of, lattice_figure, mask_text
 from layouts.lattice_places import ROOMY_UP_TO
 from layouts.theme import missile_colour
-from sim.errors import MaskError
+from sim.errors import MaskError, shorten
 from sim.scenario_file import load_scenario
 from sim.task import Task, parse_mask
 from workbench.context import AppContext
@@ -25,7 +25,6 @@ from workbench.pages.curriculum_runs import LaunchedRuns
 from workbench.pages.curriculum_set import listed
 from workbench.pages.fly_settings import read_scenario
 from workbench.policies import EXPERTS, SHIPPED_LABELS, shipped_success
-from workbench.run_folder import shorten
 from workbench.runs import Run
 from workbench.scenarios import DEFAULT, scenario_choices
 

@@ -11,9 +11,8 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from sim.errors import SubMasError
+from sim.errors import SubMasError, shorten
 from workbench.launcher import resume
-from workbench.run_folder import shorten
 from workbench.run_index import RunIndex
 from workbench.run_index_record import RunRecord
 from workbench.run_notes import RunNotes, parse_tags, read_notes, write_notes

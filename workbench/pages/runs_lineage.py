@@ -6,10 +6,10 @@ import re
 
 from layouts.run_lineage import Link, lineage
 from layouts.theme import NEUTRAL, POLICY_A, SUCCESS
-from sim.errors import SubMasError
+from sim.errors import SubMasError, shorten
 from workbench.pages.address import search
 from workbench.policies import EXPERTS, SHIPPED_LABELS, natural_guide
-from workbench.run_folder import RUN_ID, shorten
+from workbench.run_folder import RUN_ID
 from workbench.run_index import RunIndex
 from workbench.run_index_query import RunSearch
 from workbench.run_index_record import RunRecord
