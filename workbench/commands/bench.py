@@ -26,7 +26,7 @@ class Args:
 def run(args: Args) -> int:
     """Measure and print."""
     from workbench.progress import bar
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     measure, show = {
         "sim": (partial(_sim, args.device), _show_sim),
@@ -40,7 +40,8 @@ def run(args: Args) -> int:
         print_json({**figures, "cores": os.cpu_count(), "load_before": load})
     else:
         show(figures)
-        print(f"\n{os.cpu_count()} cores; load when it began: {load:.1f}")
+        print()
+        print_line(f"{os.cpu_count()} cores; load when it began: {load:.1f}")
     return 0
 
 
@@ -53,7 +54,7 @@ def _sim(device: str, progress: Any) -> dict[str, Any]:
 
 
 def _show_sim(figures: dict[str, Any]) -> None:
-    from workbench.terminal import print_table
+    from workbench.terminal import print_line, print_table
 
     rows = [
         (c["work"], f"{c['lanes']}", f"{c['threads']}", c["device"], f"{c['env_steps_per_s']:,.0f}",
@@ -68,8 +69,9 @@ def _show_sim(figures: dict[str, Any]) -> None:
         for c in figures["growth"]
     ]  # fmt: skip
     print_table(("lanes", "missiles flying", "substeps", "one step", "per lane"), growth)
-    print(f"\nmemory: {figures['memory_bytes_per_lane']:,.0f} bytes a lane")
-    print(f"one step of gymnasium.Env: {figures['gymnasium_step_us']:.0f} µs")
+    print()
+    print_line(f"memory: {figures['memory_bytes_per_lane']:,.0f} bytes a lane")
+    print_line(f"one step of gymnasium.Env: {figures['gymnasium_step_us']:.0f} µs")
 
 
 def _learner(progress: Any) -> dict[str, Any]:

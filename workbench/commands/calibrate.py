@@ -111,7 +111,8 @@ def _show(figures: Mapping[str, Any]) -> None:
     for line in figures["left_out"]:
         print_line(f"left out: {line['name']} ({line['reason']})")
     met = sum(target["ok"] for target in targets)
-    print(f"\n{met} of {len(targets)} targets met, shortfall {figures['shortfall']:.3g}")
+    print()
+    print_line(f"{met} of {len(targets)} targets met, shortfall {figures['shortfall']:.3g}")
     if any(target["verdict"] == "undecided" for target in targets):
         print("undecided: the interval reaches across a bound; more episodes narrow it")
 

@@ -113,7 +113,7 @@ def _event(event: Event) -> dict[str, Any]:
 
 def _show(flight: Trajectory) -> None:
     from workbench.scenarios import task_title
-    from workbench.terminal import duration, print_table
+    from workbench.terminal import duration, print_line, print_table
 
     rows = [
         (f"{e.time_s:.1f}", e.text, "" if math.isnan(e.distance_m) else f"{e.distance_m:,.0f}") for e in flight.events
@@ -121,4 +121,5 @@ def _show(flight: Trajectory) -> None:
     title = f"{flight.policy} on {task_title(flight.task)}, seed {flight.seed}"
     print_table(("time [s]", "event", "distance [m]"), rows, title=title)
     outcome = flight.outcome.name.lower().replace("_", " ")
-    print(f"\n{outcome}, return {flight.episode_return:.1f}, {duration(flight.duration_s)} min flown")
+    print()
+    print_line(f"{outcome}, return {flight.episode_return:.1f}, {duration(flight.duration_s)} min flown")

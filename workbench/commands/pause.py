@@ -24,7 +24,7 @@ class Args:
 def run(args: Args) -> int:
     """Ask; does not wait until it is saved."""
     from workbench.runs import RunStore
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     run = RunStore(args.runs).get(args.run)
     run.request_pause()
@@ -32,5 +32,5 @@ def run(args: Args) -> int:
     if args.json:
         print_json({"id": run.id, "state": state, "pause_requested": True})
     else:
-        print(f"run {run.id} is paused" if state == "paused" else f"run {run.id} pauses at the end of its epoch")
+        print_line(f"run {run.id} is paused" if state == "paused" else f"run {run.id} pauses at the end of its epoch")
     return 0

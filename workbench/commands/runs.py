@@ -137,13 +137,13 @@ def _restore(store: RunStore, args: Args) -> None:
 
 
 def _empty(store: RunStore, args: Args) -> None:
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     removed = store.empty_trash()
     if args.json:
         print_json({"removed": removed})
     else:
-        print(f"{removed} run{'s' * (removed != 1)} removed for good")
+        print_line(f"{removed} run{'s' * (removed != 1)} removed for good")
 
 
 def _cell(value: object) -> str:

@@ -30,7 +30,7 @@ def run(args: Args) -> int:
     """Ask; does not wait for the end."""
     from workbench.launcher import stop_now
     from workbench.runs import RunStore
-    from workbench.terminal import print_json
+    from workbench.terminal import print_json, print_line
 
     run = RunStore(args.runs).get(args.run)
     run.request_stop()
@@ -40,5 +40,5 @@ def run(args: Args) -> int:
     if args.json:
         print_json({"id": run.id, "state": state, "stop_requested": True})
     else:
-        print(f"run {run.id} is stopped" if state == "stopped" else f"run {run.id} stops at the end of its epoch")
+        print_line(f"run {run.id} is stopped" if state == "stopped" else f"run {run.id} stops at the end of its epoch")
     return 0
