@@ -9,23 +9,24 @@ from typing import Any
 
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from workbench.launcher import drain, stop_now
+from workbench.engine import Engine
+from workbench.launcher import stop_now
 from workbench.progress import console
 from workbench.run_files import LineReader
 from workbench.run_state import RunState
-from workbench.runs import Run, RunBusyError, RunStore
+from workbench.runs import Run, RunBusyError
 from workbench.terminal import duration, percent, printable
 
 TICK_S = 0.25
 END_PATIENCE_S = 10.0
 
 
-def follow(store: RunStore, runs: Sequence[Run]) -> bool:
+def follow(engine: Engine, runs: Sequence[Run]) -> bool:
     """Show the runs on standard error until all have ended; returns whether the user asked them to stop.
 
     The first Ctrl-C asks them to stop at the end of their epoch, the second ends them at once.
     """
-    watch = _Watch(store, runs)
+    watch = _Watch(engine, runs)
     asked = False
     with watch.progress:
         while True:
@@ -35,7 +36,7 @@ def follow(store: RunStore, runs: Sequence[Run]) -> bool:
                 time.sleep(TICK_S)
             except KeyboardInterrupt:
                 if asked:
-                    _end_at_once(runs)
+                    _end_at_once(engine, runs)
                     return True
                 asked = True
                 watch.say("stopping at the end of the epoch; Ctrl-C again to stop at once")
@@ -45,7 +46,7 @@ def follow(store: RunStore, runs: Sequence[Run]) -> bool:
 class _Watch:
     """The rows on the screen and what each run has told so far."""
 
-    def __init__(self, store: RunStore, runs: Sequence[Run]) -> None:
+    def __init__(self, engine: Engine, runs: Sequence[Run]) -> None:
         self.progress = Progress(
             TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=24),
@@ -55,7 +56,7 @@ class _Watch:
             console=console(),
             disable=not sys.stderr.isatty(),
         )
-        self._store = store
+        self._engine = engine
         self._runs = runs
         self._rows: dict[str, TaskID] = {}
         self._events = {run.id: LineReader(run.path / "events.jsonl") for run in runs}
@@ -68,7 +69,7 @@ class _Watch:
     def tick(self) -> bool:
         """Bring everything up to date; whether a run is still going on."""
         # Also starts the next in the queue should a training have died without doing so.
-        drain(self._store)
+        self._engine.tick()
         states = [run.state for run in self._runs]
         for run, state in zip(self._runs, states, strict=True):
             for event in self._new_events(run):
@@ -110,9 +111,10 @@ def _ask(runs: Sequence[Run]) -> None:
             continue
 
 
-def _end_at_once(runs: Sequence[Run]) -> None:
+def _end_at_once(engine: Engine, runs: Sequence[Run]) -> None:
     deadline = time.monotonic() + END_PATIENCE_S
     for run in runs:
         stop_now(run)
     while any(run.is_alive() for run in runs) and time.monotonic() < deadline:
+        engine.tick()
         time.sleep(0.05)

@@ -125,7 +125,8 @@ async def tend(store: RunStore, every_s: float = 2.0) -> None:
 
 
 def _good_runs(store: RunStore) -> list[Run]:
-    return [run for run in store.list() if not run.problem]
+    """Those that work, or may, on this machine's cores; a cluster's belong to its engine."""
+    return [run for run in store.list() if not run.problem and not run.state.engine]
 
 
 def _start(run: Run) -> bool:
@@ -184,6 +185,8 @@ def stop_now(run: Run) -> None:
     with contextlib.suppress(RunBusyError):
         run.request_stop()
     state = run.state
-    if state.pid and run.is_alive():
+    if state.engine and run.is_alive():
+        run.request_end()  # it may work on another machine
+    elif state.pid and run.is_alive():
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.kill(state.pid, signal.SIGKILL if state.state == "stalled" else signal.SIGTERM)

@@ -74,7 +74,7 @@ class RunRecorder:
         self._go_on_from(facts["state"])
         if found:
             self.event("resumed", _resumed(found, self.state), checkpoint=found.number)
-        elif self.state.resumes:
+        elif self.state.resumes or self.state.retries:
             self.event("resumed", "begun anew: it had not saved a checkpoint yet")
         return found.snapshot if found else None
 
@@ -166,7 +166,12 @@ class RunRecorder:
 
     def _write(self, **changes: Any) -> None:
         beat_s = time.monotonic()
-        signs = {"beat_s": beat_s, "patience_s": self._pulse.beat(beat_s), "updated": now()}
+        # On a cluster this clock is another machine's than that of who reads it.
+        signs = {
+            "patience_s": self._pulse.beat(beat_s),
+            "beat_s": None if self.state.engine else beat_s,
+            "updated": now(),
+        }
         self.state = dataclasses.replace(self.state, **changes, **signs, wall_s=round(self._wall_s(), 3))
         self.run.write_state(self.state)
 
@@ -178,7 +183,8 @@ def versions() -> dict[str, str]:
 
 def _resumed(found: Checkpoint, state: RunState) -> str:
     """What the event says: where it goes on, what could not be used, and whether its bits may differ."""
-    sentences = [f"resumed at checkpoint {found.number}, {state.progress:.0%} done", *found.refused]
+    where = f" on {state.node}" if state.node else ""
+    sentences = [f"resumed{where} at checkpoint {found.number}, {state.progress:.0%} done", *found.refused]
     before = found.facts["versions"]
     changed = [f"{name} {before.get(name)} is now {now}" for name, now in versions().items() if before.get(name) != now]
     if changed:

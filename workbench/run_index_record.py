@@ -34,7 +34,7 @@ class RunRecord:
     """Why this run cannot be shown properly; empty for a good one."""
     state: str = UNREADABLE
     running: int = 0
-    """1 where `state.json` says "running", which only the run's lock can confirm."""
+    """1 where `state.json` says that somebody works on it, which only the run's lock can confirm."""
     name: str = ""
     notes: str = ""
     tags: str = ""
@@ -139,7 +139,7 @@ def _reached(run: Run) -> dict[str, Any]:
     last = last_row(run.path / "metrics.jsonl")
     return {
         "state": state.state,
-        "running": int(state.state in ("running", "stalled", "interrupted")),
+        "running": int(state.claimed or state.state in ("stalled", "interrupted")),
         "success": state.best_success_rate,
         "mean_return": _card_return(run.path),
         "progress": float(state.progress),

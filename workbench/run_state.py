@@ -53,11 +53,23 @@ class RunState:
     """When its process last gave a sign, by the machine's monotonic clock [s], which never jumps."""
     patience_s: float = PATIENCE_S
     """After how long without a sign it counts as stalled [s]."""
+    engine: str = ""
+    """Who looks after the run: empty for processes of this machine, "ray" for a cluster. A cluster's run belongs to one
+    command, which holds its lock from the queue to the end."""
+    node: str = ""
+    """Where a cluster's run works, in words."""
+    retries: int = 0
+    """How often its engine had to begin again, because a process or a node died."""
 
     @property
     def active(self) -> bool:
         """Whether the run still goes on or will."""
         return self.state in ACTIVE
+
+    @property
+    def claimed(self) -> bool:
+        """Whether somebody holds the run's lock, if this is still true: else it is interrupted."""
+        return self.state == "running" or (self.state == "queued" and bool(self.engine))
 
     @property
     def resumable(self) -> bool:

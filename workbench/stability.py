@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,6 +13,7 @@ import numpy as np
 from agents.remedies import REMEDIES
 from agents.trial import Trial, run_trial
 from sim.errors import SubMasError
+from workbench.engine import Engine
 from workbench.run_files import write_bytes
 
 SIZE_LIMIT: Final = 2_000_000
@@ -47,16 +46,9 @@ def wishes(remedies: Sequence[str], seeds: Iterable[int], known: Iterable[Trial]
     return [wish for wish in wanted if wish not in there]
 
 
-def trials(wanted: Sequence[Wish], workers: int) -> Iterator[Trial]:
+def trials(wanted: Sequence[Wish], engine: Engine) -> Iterator[Trial]:
     """Train them, some at once, each in a process of its own; in the order in which they end."""
-    # Spawned, not forked: torch's threads do not survive a fork.
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), max_tasks_per_child=1) as pool:
-        futures: list[Future[Trial]] = [pool.submit(shipped_trial, wish.remedy, wish.seed) for wish in wanted]
-        try:
-            for future in as_completed(futures):
-                yield future.result()
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    yield from (trial for _, trial in engine.each(shipped_trial, [(wish.remedy, wish.seed) for wish in wanted]))
 
 
 def shipped_trial(remedy: str, seed: int) -> Trial:

@@ -11,6 +11,7 @@ import dataclasses
 import os
 import signal
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Sequence
@@ -27,7 +28,14 @@ from workbench.run_state import PATIENCE_S
 from workbench.runs import Run, RunBusyError, RunStore
 
 if TYPE_CHECKING:
+    from agents.policy import Policy
     from agents.snapshot import Snapshot
+
+
+BROUGHT_GUIDE = "guide.safetensors"
+"""Name in a run folder of a guide that comes with it."""
+ABANDONED = 75
+"""Exit code of a training whose engine is gone: it ends as if it had been killed."""
 
 
 class StopNow(BaseException):
@@ -63,11 +71,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--lock", type=int, default=None, help="descriptor of the run's lock, inherited from the launcher"
     )
+    parser.add_argument(
+        "--held",
+        action="store_true",
+        help="a cluster's engine holds the lock, and standard input for as long as it lives",
+    )
     options = parser.parse_args(arguments)
     folder = options.folder.absolute()
     store = RunStore(folder.parent)
     try:
         run = store.get(folder.name)
+        if options.held:
+            return _train_held(run, store)
         lock = _hold(run, options.lock)
     except SubMasError as error:
         print(f"workbench: {error}", file=sys.stderr)
@@ -79,6 +94,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.close(lock)
         drain(store)
+
+
+def _train_held(run: Run, store: RunStore) -> int:
+    """Train for an engine, which starts what comes next; without it nobody would know of this process."""
+    threading.Thread(target=_end_with_standard_input, daemon=True).start()
+    return _train(run, store)
+
+
+def _end_with_standard_input() -> None:
+    sys.stdin.buffer.read()
+    os._exit(ABANDONED)
 
 
 def _hold(run: Run, inherited: int | None) -> int:
@@ -101,7 +127,9 @@ def _hold(run: Run, inherited: int | None) -> int:
 def _train(run: Run, store: RunStore) -> int:
     signals = Signals(run)
     signals.listen()
-    alive = {"state": "running", "pid": os.getpid(), "updated": now(), "beat_s": time.monotonic()}
+    alive = {"state": "running", "updated": now()}
+    if not run.state.engine:  # a cluster's process and clock may be another machine's
+        alive |= {"pid": os.getpid(), "beat_s": time.monotonic()}
     state = dataclasses.replace(run.state, **alive, patience_s=PATIENCE_S, error="")
     recorder = RunRecorder(run, dataclasses.replace(state, started=state.started or now()), signals)
     try:
@@ -131,11 +159,19 @@ def _learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot 
     import torch
 
     from agents.submas import train
-    from workbench.policies import guide_for
 
     # One process per seed, one thread per process: small networks are slower with more.
     torch.set_num_threads(1)
-    train(run.config, recorder, guide_for(run.config, store), snapshot=snapshot)
+    train(run.config, recorder, _guide(run, store), snapshot=snapshot)
+
+
+def _guide(run: Run, store: RunStore) -> Policy:
+    from agents.checkpoint import load_policy
+    from workbench.policies import guide_for
+
+    # An engine that trains on another machine brings the guide along; its path would mean nothing there.
+    brought = run.path / BROUGHT_GUIDE
+    return load_policy(brought) if brought.is_file() else guide_for(run.config, store)
 
 
 def _fail(recorder: RunRecorder, reason: str) -> int:

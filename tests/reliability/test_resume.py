@@ -18,6 +18,7 @@ import pytest
 from agents.config import TrainingConfig
 from tests.reliability.in_process import train
 from workbench import cli, launcher, pulse, run_folder
+from workbench.engine import LocalEngine
 from workbench.follow import follow
 from workbench.launcher import launch, resume, stop_now
 from workbench.run_files import LineReader, RunFileError, cut_back
@@ -268,7 +269,7 @@ def test_who_follows_a_resumed_run_hears_each_event_once(
     until_epoch(run, 2)
     os.kill(run.state.pid or 0, signal.SIGKILL)
     wait(run, "interrupted")
-    follow(store, [resume(store, run)])
+    follow(LocalEngine(store), [resume(store, run)])
     lines = capsys.readouterr().err.splitlines()
     assert [line for line in lines if "stage 1" in line] == []
     assert len([line for line in lines if "resumed at checkpoint" in line]) == 1

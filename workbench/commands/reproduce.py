@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from workbench.engine_options import LOCAL, EngineOptions
+
 if TYPE_CHECKING:
     from workbench.reproduce.assembly import Flown
     from workbench.reproduce.plan import Plan
@@ -42,8 +44,8 @@ class Args:
     """How many of each of TD3, SAC and PPO, which take longest (default: as --seeds)."""
     episodes: int = 1000
     """Episodes behind every number."""
-    engine: str = "local"
-    """Where trainings run: local, as many at once as there are cores."""
+    where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
+    """Where trainings work; what is trained is evaluated on this machine."""
     out: Path | None = None
     """Folder of the result sets (default: assets/results in a checkout, else results in the folder of the runs)."""
     runs: Path = Path("runs")
@@ -54,6 +56,7 @@ class Args:
 
 def run(args: Args) -> int:
     """Carry out the plan, draw, and show; returns 1 if something failed and 130 after Ctrl-C."""
+    from workbench.engine import open_engine
     from workbench.reproduce.session import Session, nothing_to_fly
     from workbench.reproduce.watch import Watch
     from workbench.runs import RunStore
@@ -61,7 +64,9 @@ def run(args: Args) -> int:
     plans = plans_of(args)
     folder = results_folder(args) / args.profile
     fly = _fly if any(plan.item == "fig12" for plan in plans) else nothing_to_fly
-    report = Session(plans, RunStore(args.runs), folder, fly).run(Watch())
+    store = RunStore(args.runs)
+    with open_engine(args.where, store) as engine:
+        report = Session(plans, store, folder, fly, engine).run(Watch())
     files = written(report.results, folder)
     if args.json:
         _print_json(report, files)
@@ -92,16 +97,13 @@ def plans_of(args: Args) -> list[Plan]:
     """The plans of what is asked for.
 
     Raises:
-        UsageError: a number that is not legal, an unknown profile, or an engine that is not there.
+        UsageError: a number that is not legal, an unknown profile, or an engine's option that is not legal.
     """
     from sim.errors import UsageError
     from workbench.reproduce.plan import make_plan
     from workbench.reproduce.protocol import ITEMS
 
-    if args.engine == "ray":
-        raise UsageError("--engine ray is not built yet; use --engine local")
-    if args.engine != "local":
-        raise UsageError(f"--engine is '{args.engine}'; legal is local")
+    args.where.check()
     if not 1 <= args.episodes <= EPISODES_LIMIT:
         raise UsageError(f"--episodes is {args.episodes}; legal are 1 to {EPISODES_LIMIT}")
     items = ITEMS if args.item == "all" else (args.item,)

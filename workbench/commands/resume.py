@@ -8,6 +8,8 @@ from typing import Annotated
 
 import tyro
 
+from workbench.engine_options import LOCAL, EngineOptions
+
 
 @dataclass(frozen=True)
 class Args:
@@ -20,6 +22,8 @@ class Args:
     """Id of the run; 'workbench runs' lists them."""
     runs: Path = Path("runs")
     """Folder of the runs."""
+    where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
+    """Where it goes on."""
     json: bool = False
     """Print one JSON object."""
 
@@ -27,12 +31,13 @@ class Args:
 def run(args: Args) -> int:
     """Resume the run and follow it to its end; 130 after Ctrl-C, 1 if it fails."""
     from workbench.commands.train import failures, report
+    from workbench.engine import open_engine
     from workbench.follow import follow
-    from workbench.launcher import resume
     from workbench.runs import RunStore
 
     store = RunStore(args.runs)
-    runs = [resume(store, store.get(args.run))]
-    interrupted = follow(store, runs)
+    with open_engine(args.where, store) as engine:
+        runs = [engine.resume(store.get(args.run))]
+        interrupted = follow(engine, runs)
     report(runs, args.json)
     return 130 if interrupted else failures(runs)

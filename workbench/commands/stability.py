@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from workbench.engine_options import LOCAL, EngineOptions
+
 if TYPE_CHECKING:
     from agents.trial import Trial
     from workbench.stability import Wish
@@ -32,6 +34,8 @@ class Args:
     """How many are trained at once; by default as many as there are cores."""
     out: Path | None = None
     """File of the trials (default: assets/results/stability.jsonl in a checkout, else stability.jsonl)."""
+    where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
+    """Where the trials are trained."""
     json: bool = False
     """Print one JSON object."""
 
@@ -89,15 +93,15 @@ def _default_file() -> Path:
 
 
 def _trained(args: Args, wanted: list[Wish]) -> Iterator[Trial]:
-    from workbench.launcher import cpu_count
+    from workbench.engine import open_engine
     from workbench.progress import bar
     from workbench.stability import trials
 
     if not wanted:
         return
-    with bar("trials", "trained") as progress:
+    with open_engine(args.where, workers=args.at_once) as engine, bar("trials", "trained") as progress:
         progress(0, len(wanted))
-        for done, trial in enumerate(trials(wanted, args.at_once or cpu_count()), start=1):
+        for done, trial in enumerate(trials(wanted, engine), start=1):
             progress(done, len(wanted))
             progress.say(f"{trial.remedy}, seed {trial.seed}: fresh success {trial.final_success_rate:.1%}")
             yield trial

@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from workbench.engine_options import LOCAL, EngineOptions
 
 if TYPE_CHECKING:
     from agents.config import TrainingConfig
@@ -38,14 +42,16 @@ class Args:
     """A name to find the runs by."""
     runs: Path = Path("runs")
     """Folder of the runs."""
+    where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
+    """Where the runs work."""
     json: bool = False
     """Print one JSON object."""
 
 
 def run(args: Args) -> int:
     """Launch a run per seed and follow them to their ends."""
+    from workbench.engine import open_engine
     from workbench.follow import follow
-    from workbench.launcher import drain
     from workbench.policies import guide_for
     from workbench.runs import RunStore
     from workbench.seeds import parse_seeds
@@ -53,9 +59,9 @@ def run(args: Args) -> int:
     store = RunStore(args.runs)
     configs = [configuration(args, seed) for seed in parse_seeds(args.seeds)]
     guide_for(configs[0], store)  # a guide that is missing is said now, not in a log
-    runs = [store.create(config) for config in configs]
-    drain(store)
-    interrupted = follow(store, runs)
+    with open_engine(args.where, store) as engine:
+        runs = [engine.launch(config) for config in configs]
+        interrupted = follow(engine, runs)
     report(runs, args.json)
     if interrupted:
         return 130

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from workbench.engine import Engine, LocalEngine
 from workbench.launcher import cpu_count
 from workbench.reproduce.assembly import NOTHING_FLOWN, Flown, assemble
 from workbench.reproduce.eta import left_s, training_s
@@ -48,12 +49,19 @@ class Report:
 class Session:
     """One call of `workbench reproduce`."""
 
-    def __init__(self, plans: Sequence[Plan], store: RunStore, folder: Path, fly: Fly = nothing_to_fly) -> None:
-        """Result sets go to `folder`; `fly` makes the engagements of Fig. 10 to 12, and tells how far it is."""
+    def __init__(
+        self, plans: Sequence[Plan], store: RunStore, folder: Path, fly: Fly = nothing_to_fly,
+        engine: Engine | None = None,
+    ) -> None:  # fmt: skip
+        """Result sets go to `folder`; `fly` makes the engagements of Fig. 10 to 12, and tells how far it is.
+
+        Trainings are the business of `engine`, by default of this machine's processes.
+        """
+        self._engine = engine or LocalEngine(store)
         self._plans, self._store, self._folder, self._fly = plans, store, folder, fly
         self._flown = NOTHING_FLOWN
         self._origin = provenance()
-        self._trainings = Trainings(plans, store, self._origin.scenario_digest)
+        self._trainings = Trainings(plans, store, self._engine, self._origin.scenario_digest)
         self._measurements = Measurements(plans, store.root, known_figures(folder, self._origin))
 
     def run(self, watch: Watch) -> Report:
@@ -134,7 +142,7 @@ class Session:
             needs.append(guess if state.eta_s is None else state.eta_s)
         # Side by side while no training needs the cores, else one after the other.
         side_by_side = 1 if needs else cpu_count()
-        left = left_s(needs, cpu_count(), (wanted - known) * measurements.typical_s / side_by_side)
+        left = left_s(needs, self._engine.at_once(), (wanted - known) * measurements.typical_s / side_by_side)
         return Standing(len(trainings.ended), len(trainings.configs), known, wanted, left, running)
 
     def _farewell(self) -> str:
@@ -142,6 +150,8 @@ class Session:
         if not alive:
             return "interrupted; the same command goes on from here"
         runs = ", ".join(run.id for run in alive)
+        if not self._engine.outlived:
+            return f"interrupted; the same command lets {runs} go on from the last checkpoint"
         return (
             f"interrupted; {len(alive)} training{'s' * (len(alive) != 1)} go{'es' * (len(alive) == 1)} on in the "
             f"background ({runs}) and nothing new is started; the same command picks them up, 'workbench stop RUN' "

@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Iterator, Sequence
 
 from agents.config import TrainingConfig
-from workbench.launcher import cpu_count, drain, launch, resume
+from workbench.engine import Engine
 from workbench.reproduce.assembly import Ended
 from workbench.reproduce.matching import Key, matching_runs, training_key
 from workbench.reproduce.plan import Plan
@@ -21,12 +21,12 @@ HALTED = ("interrupted", "paused", "stopped")
 class Trainings:
     """Every training that some plans ask for, each once."""
 
-    def __init__(self, plans: Sequence[Plan], store: RunStore, scenario_digest: str) -> None:
+    def __init__(self, plans: Sequence[Plan], store: RunStore, engine: Engine, scenario_digest: str) -> None:
         self.configs = {training_key(config): config for plan in plans for config in plan.trainings}
         self.ended: dict[Key, Ended] = {}
         self.alive: dict[Key, Run] = {}
         """Queued or running."""
-        self._store = store
+        self._store, self._engine = store, engine
         self._scenario_digest = scenario_digest
         self._halted: dict[Key, Run] = {}
         """Interrupted, paused or stopped: these go on where they were."""
@@ -71,18 +71,17 @@ class Trainings:
 
     def _start(self) -> None:
         """Start trainings while cores are free, no more: what others queue gets a turn, and Ctrl-C leaves no queue."""
-        drain(self._store)
-        free = max(cpu_count() - self.busy(), 0)
-        for key in self.missing[:free]:
+        self._engine.tick()
+        for key in self.missing[: self._engine.free()]:
             self.alive[key] = self._begin(key)
             self._followed[key] = self.alive[key].id
 
     def _begin(self, key: Key) -> Run:
         halted = self._halted.get(key)
         if halted is None:
-            return launch(self._store, self.configs[key])
+            return self._engine.launch(self.configs[key])
         with contextlib.suppress(RunBusyError):  # somebody else was quicker
-            resume(self._store, halted)
+            self._engine.resume(halted)
         return halted
 
     def _good_runs(self) -> list[Run]:

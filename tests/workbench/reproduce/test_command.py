@@ -24,8 +24,7 @@ def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        ("table4 --engine ray", "--engine ray is not built yet; use --engine local"),
-        ("table4 --engine cloud", "--engine is 'cloud'; legal is local"),
+        ("table4 --engine cloud", "--engine is 'cloud'; legal are local, ray"),
         ("table4 --seeds 0", "--seeds is 0; legal are 1 to 100, the number of trainings of each algorithm"),
         (
             "table4 --seeds-baselines 101",

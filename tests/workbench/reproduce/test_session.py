@@ -15,7 +15,7 @@ import pytest
 
 from sim.scenario_file import load_scenario
 from workbench import launcher
-from workbench.reproduce import evaluations, session, trainings
+from workbench.reproduce import evaluations, session
 from workbench.reproduce.cost import cost
 from workbench.reproduce.job import LOCKS, Job, job_path, read_job
 from workbench.reproduce.plan import make_plan, training_of
@@ -38,7 +38,7 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunStore]
     monkeypatch.setattr(launcher, "ENTRY", (str(HERE / "fake_training.py"),))
     monkeypatch.setattr(evaluations, "ENTRY", (str(HERE / "fake_workbench.py"),))
     monkeypatch.setattr(session, "TICK_S", 0.02)
-    for module in (launcher, session, trainings):
+    for module in (launcher, session):
         monkeypatch.setattr(module, "cpu_count", lambda: 4)
     store = RunStore(tmp_path / "runs")
     store.root.mkdir()
@@ -158,7 +158,7 @@ def test_after_ctrl_c_trainings_go_on_nothing_is_started_and_the_same_command_pi
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tell(store, submas_0="wait", td3_0="wait", sac_0="wait")
-    monkeypatch.setattr(trainings, "cpu_count", lambda: 2)
+    monkeypatch.setattr(launcher, "cpu_count", lambda: 2)
     watch = Quiet(interrupt=True)
     report = reproduce(store, watch=watch)
     assert report.interrupted and not report.failures
@@ -202,7 +202,7 @@ def test_a_result_of_another_source_is_flown_again(store: RunStore) -> None:
 
 
 def test_cores_are_not_overbooked(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (launcher, session, trainings):
+    for module in (launcher, session):
         monkeypatch.setattr(module, "cpu_count", lambda: 2)
     watch = Quiet()
     reproduce(store, seeds=2, watch=watch)
