@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Final
 
-FORMULA_STARTS: Final = tuple("=+-@\t\r\n＝＋－＠")
+from workbench.terminal import printable
+
+FORMULA_STARTS: Final = tuple("=+-@＝＋－＠")
 """First characters that make a spreadsheet take a text for a formula, full-width forms included."""
 
 
 def plain_cell(value: Any) -> Any:
-    """The value, a text that would begin a formula with an apostrophe before it; numbers stay numbers."""
-    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
+    """The value: of a text one printable line, with an apostrophe before it if it would begin a formula.
+
+    Numbers stay numbers. A carriage return within a cell would end the row for some readers.
+    """
+    if not isinstance(value, str):
+        return value
+    line = printable(value)
+    return f"'{line}" if line.startswith(FORMULA_STARTS) else line
 
 
 def plain_row(values: Iterable[Any]) -> list[Any]:
