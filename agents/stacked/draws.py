@@ -42,7 +42,7 @@ def uniform(seeds: Tensor, purpose: Purpose, counts: Tensor, shape: tuple[int, .
         counts: how often this purpose was drawn for before, int64 `[S]`.
         shape: numbers per agent.
     """
-    key = _mix(_mix(seeds + _GOLDEN * int(purpose)) + _GOLDEN * (counts + 1))
+    key = _mix(_mix(seeds + _wrapped(_GOLDEN * purpose)) + _GOLDEN * (counts + 1))
     places = torch.arange(1, math.prod(shape) + 1, device=seeds.device)
     bits = _shifted(_mix(key[:, None] + _GOLDEN * places), 11)
     return ((bits.double() + 0.5) * 2.0**-53).view(len(seeds), *shape)
@@ -52,6 +52,11 @@ def normal(seeds: Tensor, purpose: Purpose, counts: Tensor, shape: tuple[int, ..
     """Standard normal numbers, float64 `[S, *shape]`, by Box and Muller; arguments as in `uniform`."""
     radius, turn = uniform(seeds, purpose, counts, (2, *shape)).unbind(dim=1)
     return (-2.0 * radius.log()).sqrt() * (2.0 * math.pi * turn).cos()
+
+
+def _wrapped(value: int) -> int:
+    """A whole number as the int64 that has its last 64 bits."""
+    return (value + 2**63) % 2**64 - 2**63
 
 
 def _mix(z: Tensor) -> Tensor:

@@ -10,14 +10,15 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from typing import Any, Literal
 
 import numpy as np
 import torch
 
 from agents.config import ConfigError
+from agents.evasion import EVASION, EvasionDomain
 from agents.hyperparameters import Hyperparameters
 from agents.numerics import prepare_torch
 from agents.stacked.agent import Agent, HostActor, HostLearner, Member
@@ -29,13 +30,15 @@ from agents.stacked.learner import StackedTd3
 from agents.stacked.replay import StackedReplay
 from agents.stacked.residence import actor_weights, move_in
 from agents.stacked.update_block import UpdateBlock
+from agents.stacked.warp_worlds import WarpWorlds, on_torchs_stream
 from agents.stacked.worlds import HostWorlds, Worlds
 from agents.task import Domain
 from agents.td3 import LearnerStatistics, Td3
 from agents.training_state import EpochCounts
+from sim.scenario import Sensor
 
-MakeWorlds = Callable[[Domain, Encoder, int, int, torch.device], Worlds]
-"""(domain, encoder of the widest layout, agents, lanes, device) -> where experience is gathered."""
+Simulator = Literal["device", "host"]
+"""Where worlds are flown: with the learners, or on the processor whatever the learners' device."""
 
 
 def train_stacked(
@@ -44,7 +47,7 @@ def train_stacked(
     *,
     domain: Domain | None = None,
     hyperparameters: Hyperparameters | None = None,
-    make_worlds: MakeWorlds | None = None,
+    simulator: Simulator = "device",
 ) -> None:
     """Train all members to their ends; each recorder is told what a training by itself would tell it.
 
@@ -53,13 +56,13 @@ def train_stacked(
         device: where the learners are, `cpu` or for example `cuda:0`.
         domain: where tasks come from; the paper's domain by default, with its simulator on the same device.
         hyperparameters: numbers to use instead of those of the configured profile.
-        make_worlds: how worlds are made, if not by `default_worlds`.
+        simulator: where the worlds are flown.
 
     Raises:
         ConfigError: no members, profiles that differ, or a variant that cannot be stacked.
     """
     route = prepare_torch()
-    training = StackedTraining(members, device, domain, hyperparameters, make_worlds)
+    training = StackedTraining(members, device, domain, hyperparameters, simulator)
     text = f"{len(members)} agents stacked on {device_name(training.device)}; matrix products: {route}"
     for agent in training.agents:
         agent.member.recorder.event("numerics", text)
@@ -75,14 +78,14 @@ class StackedTraining:
         device: str = "cpu",
         domain: Domain | None = None,
         hyperparameters: Hyperparameters | None = None,
-        make_worlds: MakeWorlds | None = None,
+        simulator: Simulator = "device",
     ) -> None:
         """Make room for everybody; arguments as in `train_stacked`."""
         self.device = torch.device(device)
-        domain = domain or _evasion()
+        domain = domain or EVASION
         self.agents = [Agent(one, domain, hyperparameters or one.config.hyperparameters) for one in members]
         self.hyper = common_hyperparameters([agent.hyper for agent in self.agents])
-        self.stack = empty_stack(self.agents, domain, self.hyper, self.device, make_worlds or default_worlds)
+        self.stack = empty_stack(self.agents, domain, self.hyper, self.device, simulator)
         self._pool = ThreadPoolExecutor(min(len(members), _cores()))
         self.block = UpdateBlock(self.stack, self.hyper)
         for place in range(len(self.agents)):
@@ -91,7 +94,7 @@ class StackedTraining:
 
     def run(self) -> None:
         """Epoch after epoch, until everybody is done."""
-        with self._pool, on_stream(self.device):
+        with self._pool, on_torchs_stream(self.device):
             while self.agents:
                 self.run_epoch()
                 self.close_epoch()
@@ -190,7 +193,7 @@ class StackedTraining:
 
 
 def empty_stack(
-    agents: Sequence[Agent], domain: Domain, hyper: Hyperparameters, device: torch.device, make_worlds: MakeWorlds
+    agents: Sequence[Agent], domain: Domain, hyper: Hyperparameters, device: torch.device, simulator: Simulator
 ) -> Stack:
     """Room for all agents, as wide as the union of all subtasks they will ever meet."""
     subtasks = sorted({number for agent in agents for task, _ in agent.legs for number in domain.subtasks(task)})
@@ -201,7 +204,7 @@ def empty_stack(
         learner=learner,
         replay=StackedReplay(count, hyper.replay_size, hyper.lanes, features.size, device),
         guides=StackedGuides(count, learner.actor.shape, encoder, limit, device),
-        worlds=make_worlds(domain, encoder, count, hyper.lanes, device),
+        worlds=worlds_for(agents, domain, features.layout, hyper.lanes, device, simulator),
         lanes=Lanes.empty(count, hyper.lanes, features.layout.size, features.size, device),
         encoder=encoder,
     )
@@ -220,14 +223,16 @@ def common_hyperparameters(each: Sequence[Hyperparameters]) -> Hyperparameters:
     return each[0]
 
 
-def default_worlds(domain: Domain, encoder: Encoder, agents: int, lanes: int, device: torch.device) -> Worlds:
-    """The simulator on the learners' device where it can be there, else worlds on the host."""
-    return HostWorlds(domain, encoder.features.layout, agents, lanes, device)
-
-
-def on_stream(device: torch.device) -> AbstractContextManager[object]:
-    """Makes Warp and torch queue their work in one order on a GPU."""
-    return nullcontext()
+def worlds_for(
+    agents: Sequence[Agent], domain: Domain, layout: Any, lanes: int, device: torch.device, simulator: Simulator
+) -> Worlds:
+    """The simulator on the learners' device, where it is the domain's and every scenario's sensors are perfect."""
+    perfect = isinstance(domain, EvasionDomain) and all(
+        task.scenario.sensor == Sensor() for agent in agents for task, _ in agent.legs
+    )
+    if simulator == "device" and perfect:
+        return WarpWorlds(layout, len(agents), lanes, device)
+    return HostWorlds(domain, layout, len(agents), lanes, device)
 
 
 def device_name(device: torch.device) -> str:
@@ -237,9 +242,3 @@ def device_name(device: torch.device) -> str:
 
 def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _evasion() -> Domain:
-    from agents.evasion import EVASION
-
-    return EVASION

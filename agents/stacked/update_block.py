@@ -30,6 +30,8 @@ class UpdateBlock:
 
     def __call__(self, waiting: Sequence[int]) -> None:
         """Run the block; agents that are `waiting` for their first experience take no part."""
+        if not self.hyper.updates_per_lane_step:
+            return
         if waiting or not self.capturable:
             self._run(waiting)
         elif self._warm < WARM_UP:

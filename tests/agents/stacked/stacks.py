@@ -107,7 +107,7 @@ def flat_networks(one: Td3) -> dict[str, torch.Tensor]:
 
 
 def flat(module: torch.nn.Module, slopes: bool = False) -> torch.Tensor:
-    """Parameters, or their gradients, of an actor or a critic: layer by layer weight `[in, out]`, bias, scale, shift."""
+    """Parameters (or gradients) of an actor or a critic: layer by layer weight `[in, out]`, bias, scale, shift."""
     linear = [one for one in module.modules() if isinstance(one, torch.nn.Linear)]
     norms = [one for one in module.modules() if isinstance(one, torch.nn.LayerNorm)]
     parts: list[torch.Tensor] = []
