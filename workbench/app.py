@@ -27,6 +27,12 @@ PAGES = {
 }
 """Address and title of each page, in the order of the navigation; the first one is where `/` leads."""
 TITLE = "SubMas workbench"
+FILLED = "#1a69d8"
+"""Blue behind white words, and of words on a light page; policy A's own blue has too little contrast for either."""
+SPACERS = {
+    "defaultProps": {"variantMapping": {"h1": "h1", "h2": "h2", "h3": "h1", "h4": "h4", "h5": "div", "h6": "h6"}}
+}
+"""The frame's title is the page's first heading; what it takes for headings of the fifth level are spacers."""
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +60,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         site_url=f"/{next(iter(PAGES))}",
         header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES)],
         dark_theme=not light,
-        theme_config={"dark": _palette(theme.DARK), "light": _palette(theme.LIGHT)},
+        theme_config={"dark": _look("dark"), "light": _look("light")},
         sx={"& > .header": {"backgroundColor": _css(theme.DARK.field), "backgroundImage": "none"}},
         main=[_content(context, name)],
     )
@@ -64,10 +70,23 @@ def framed(context: AppContext, name: str) -> pmui.Page:
     return page
 
 
-def _palette(ground: theme.Ground) -> dict[str, Any]:
-    background = _css(ground.background)
+def _look(mode: theme.Mode) -> dict[str, Any]:
+    """Colours of the frame and its widgets, with enough contrast for words, and what they are to a listener."""
+    background = _css(theme.ground(mode).background)
+    filled = {"backgroundColor": FILLED, "color": "#ffffff"}
+    button = {"props": {"variant": "contained", "color": "primary"}, "style": filled}
     return {
-        "palette": {"primary": {"main": theme.POLICY_A}, "background": {"default": background, "paper": background}}
+        "palette": {
+            "primary": {"main": theme.POLICY_A if mode == "dark" else FILLED, "contrastText": "#ffffff"},
+            "background": {"default": background, "paper": background},
+        },
+        "components": {
+            "MuiTypography": SPACERS,
+            "MuiLinearProgress": {"defaultProps": {"aria-label": "Progress"}},
+            "MuiButton": {"styleOverrides": {"root": {"variants": [button]}}},
+            # Each "&" outweighs one class of the rule that Panel Material UI writes into the group.
+            "MuiToggleButton": {"styleOverrides": {"root": {"&&&&.Mui-selected": filled}}},
+        },
     }
 
 

@@ -41,6 +41,7 @@ WARM = (
     "workbench.pages.live",
     "workbench.pages.runs",
     "workbench.pages.compare",
+    "workbench.pages.paper",
     "rerun",
     "viser",
 )

@@ -17,7 +17,7 @@ from workbench.chromium import MISSING, find_chromium, headless_flags
 RERUN_PHONES_HOME = ("tel.rerun.io", "api.github.com", "fonts.googleapis.com", "fonts.gstatic.com", "at __wbg_fetch_")
 # Chromium asks for it of its own accord, now and then before it has stored the cookie.
 BY_ITSELF = "/favicon.ico"
-PATIENCE_MS = 30_000
+PATIENCE_MS = 60_000
 TRAINING_PATIENCE_MS = 120_000
 
 

@@ -25,6 +25,7 @@ from workbench.pages.compare_downloads import CompareDownloads
 from workbench.pages.compare_progress import CompareProgress
 from workbench.pages.compare_settings import CompareSettings, read_settings
 from workbench.pages.compare_words import COMPARE_CSS
+from workbench.pages.waiting import waiting
 from workbench.scenarios import scenario_choices
 
 TICK_MS = 250
@@ -53,6 +54,8 @@ class ComparePage:
         self._bars, self._closer, self._downloads = CompareBars(self._look), CompareCloser(), CompareDownloads()
         self._alert = pmui.Alert(object="", severity="warning", visible=False, margin=0, sizing_mode="stretch_width")
         self._notes = pn.pane.HTML("", stylesheets=[COMPARE_CSS], margin=0, sizing_mode="stretch_width")
+        self._waiting = waiting("Reading what has been flown so far …")
+        self._bars.figures.visible = self._closer.layout.visible = False
         self.layout = self._arrange()
         self._complain(" ".join(problems))
         pn.state.onload(self._refresh)
@@ -65,7 +68,7 @@ class ComparePage:
 
         return pn.Column(
             row(self._controls.what), row([*self._controls.how, *self._progress.items]), self._alert,
-            self._bars.legend, self._bars.figures, self._notes,
+            self._waiting, self._bars.legend, self._bars.figures, self._notes,
             row([*self._controls.closely, self._downloads.layout]), self._closer.layout,
             sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "12px"},
         )  # fmt: skip
@@ -121,6 +124,7 @@ class ComparePage:
 
     def _show(self, settings: CompareSettings, grid: Grid, close: Closely | None) -> None:
         self._grid = grid
+        self._waiting.visible, self._bars.figures.visible = False, True
         inks = policy_inks(settings.policies)
         self._bars.show(grid, self._labels, inks)
         self._closer.layout.visible = close is not None

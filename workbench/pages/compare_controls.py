@@ -21,6 +21,7 @@ from workbench.pages.compare_settings import (
     looked_at,
 )
 from workbench.pages.fly_settings import SEED_MAX
+from workbench.pages.number_field import NumberField
 
 EPISODES_WORDS = "From so many initial states each policy flies on each task"
 SEED_WORDS = (
@@ -62,7 +63,7 @@ class CompareControls:
         """What is chosen now; tasks from the easiest to the hardest."""
         scenario = self._scenario.value
         tasks = tuple(name for name in self._tasks.options.values() if name in self._tasks.value)
-        episodes, seed = self._episodes.value or FEWEST, self._seed.value or 0
+        episodes, seed = self._episodes.value, self._seed.value
         closely = (self._task.value or "", self._policy.value or "", self._against.value or "")
         return looked_at(CompareSettings(tuple(self._policies.value), tasks, scenario, episodes, seed, *closely))
 
@@ -113,8 +114,7 @@ def _one(label: str, options: dict[str, str], flex: str) -> pmui.Select:
     return pmui.Select(label=label, options=options, size="small", margin=0, styles={"flex": flex})
 
 
-def _number(label: str, low: int, high: int, width: int, words: str) -> pmui.IntInput:
-    return pmui.IntInput(
-        label=label, start=low, end=high, value=low, size="small", width=width, margin=0, sizing_mode="fixed",
-        description=words, format="0",
-    )  # fmt: skip
+def _number(label: str, low: int, high: int, width: int, words: str) -> NumberField:
+    return NumberField(
+        label=label, start=low, end=high, value=low, words=words, width=width, margin=0, sizing_mode="fixed"
+    )

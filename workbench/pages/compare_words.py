@@ -60,7 +60,7 @@ def pairs_table(
     """
     a, b = (html.escape(name) for name in names)
     columns = "".join(f'<th title="{words}">{name}</th>' for name, words in PAIR_COLUMNS.items())
-    head = f"<h3>{a} <small>against</small> {b} <small>on the same initial states</small></h3><table><tr>{columns}</tr>"
+    head = f"<h2>{a} <small>against</small> {b} <small>on the same initial states</small></h2><table><tr>{columns}</tr>"
     rows = "".join(_pair_row(task, pairs.get(task), inks, task == close) for task in tasks)
     return f"{head}{rows}</table>"
 
@@ -101,8 +101,8 @@ def gallery(
         episodes: how many engagements there are in all.
     """
     return "".join(
-        f'<div class="strip" data-kind="{strip.kind}"><h3>{html.escape(strip.title)} <small>{strip.count} of {episodes}'
-        f'</small></h3><div class="shots" style="--ink: {ink}">'
+        f'<div class="strip" data-kind="{strip.kind}"><h2>{html.escape(strip.title)} <small>{strip.count} of {episodes}'
+        f'</small></h2><div class="shots" style="--ink: {ink}">'
         + "".join(_shot(tracks[episode], field, ink, addresses[episode]) for episode in strip.episodes)
         + "</div></div>"
         for strip in strips

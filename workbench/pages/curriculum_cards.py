@@ -10,8 +10,8 @@ from sim.task import Task
 
 CARD_CSS = """
 .card { font: 14px/1.45 var(--bokeh-base-font, sans-serif); color: var(--panel-on-background-color) }
-h3 { font-size: 15px; font-weight: 650; margin: 0 0 8px }
-h3 small { font-weight: 400; opacity: .65; font-size: 12.5px; margin-left: 8px }
+h2 { font-size: 15px; font-weight: 650; margin: 0 0 8px }
+h2 small { font-weight: 400; opacity: .65; font-size: 12.5px; margin-left: 8px }
 p { margin: 8px 0 0; opacity: .82; font-size: 13px }
 p b { font-weight: 650 }
 .chips { display: flex; flex-wrap: wrap; gap: 6px }
@@ -67,8 +67,8 @@ def observation_card(task: Task) -> str:
     kept = set(task.layout.names)
     chips = "".join(_column(name, name in kept) for name in target.layout.names)
     return (
-        '<div class="card"><h3>Observation '
-        f"<small>Table 1 · {task.layout.size} of {target.layout.size} numbers</small></h3>"
+        '<div class="card"><h2>Observation '
+        f"<small>Table 1 · {task.layout.size} of {target.layout.size} numbers</small></h2>"
         f'<div class="chips">{chips}</div>{_maps(task)}</div>'
     )
 
@@ -86,7 +86,7 @@ def reward_card(task: Task) -> str:
     terms.append(_chip("<i>R</i><sup>time</sup>", f"{_signed(reward.step)} a step", NEUTRAL, kept=True))
     chips = '<span class="op">+</span>'.join(terms)
     return (
-        '<div class="card"><h3>Reward <small>Eq. 9: goal + subtasks (evaded or shot down) + time</small></h3>'
+        '<div class="card"><h2>Reward <small>Eq. 9: goal + subtasks (evaded or shot down) + time</small></h2>'
         f'<div class="chips">{chips}</div><p>{_removed(task)}</p></div>'
     )
 

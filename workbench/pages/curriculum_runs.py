@@ -66,7 +66,7 @@ def runs_list(rows: Sequence[tuple[Run, RunState]]) -> str:
     alive = sum(state.active for _, state in rows)
     lines = "".join(_line(run, state) for run, state in rows)
     heading = f"Runs under way ({alive} of {len(rows)})" if alive else "Runs launched from here"
-    return f'<div class="runs"><h3>{heading}</h3><ul>{lines}</ul></div>'
+    return f'<div class="runs"><h2>{heading}</h2><ul>{lines}</ul></div>'
 
 
 def _line(run: Run, state: RunState) -> str:

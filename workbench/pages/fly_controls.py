@@ -13,6 +13,7 @@ from layouts.theme import missile_colour
 from sim.scenario_file import load_scenario
 from workbench.pages.fly_missiles import MissileChips
 from workbench.pages.fly_settings import SEED_MAX, FlySettings
+from workbench.pages.number_field import NumberField
 
 SHUFFLED = 10_000
 """Random initial states are drawn below this: a number one can say aloud."""
@@ -34,10 +35,9 @@ class FlyControls:
         self._b = _select("Policy B", options, settings.b, "1 1 210px")
         self._scenario = _select("Scenario", dict(scenarios), settings.scenario, "0 1 190px")
         self._chips = MissileChips(margin=0, sizing_mode="fixed", **_missiles(settings.scenario, settings.masked))
-        self._seed = pmui.IntInput(
-            label="Initial state", value=settings.seed, start=0, end=SEED_MAX, size="small", width=120, margin=0,
-            sizing_mode="fixed",
-        )  # fmt: skip
+        self._seed = NumberField(
+            label="Initial state", value=settings.seed, start=0, end=SEED_MAX, width=120, margin=0, sizing_mode="fixed"
+        )
         # First: the missiles of the new scenario are there when its flights are asked for.
         self._scenario.param.watch(self._change_scenario, "value")
         watched = [(self._chips, "masked")] + [(w, "value") for w in (self._a, self._b, self._scenario, self._seed)]
@@ -47,7 +47,7 @@ class FlyControls:
 
     def settings(self) -> FlySettings:
         """What is chosen now, with the clock at 0."""
-        masked, seed = frozenset(self._chips.masked), self._seed.value or 0
+        masked, seed = frozenset(self._chips.masked), self._seed.value
         return FlySettings(self._a.value, self._b.value, masked, seed, scenario=self._scenario.value)
 
     def mask(self, missiles: Iterable[int]) -> None:
@@ -67,7 +67,7 @@ class FlyControls:
 
     def _seed_button(self, icon: str, words: str, choose: Callable[[int], int]) -> pmui.IconButton:
         def move(_event: object) -> None:
-            self._seed.value = min(max(choose(self._seed.value or 0), 0), SEED_MAX)
+            self._seed.value = min(max(choose(self._seed.value), 0), SEED_MAX)
 
         button = pmui.IconButton(icon=icon, description=words, size="medium", margin=0, sizing_mode=None)
         button.on_click(move)

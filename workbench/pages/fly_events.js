@@ -4,7 +4,7 @@ const text = (seconds) => `${Math.floor(seconds / 60)}:${String(Math.floor(secon
 export function render({model}) {
   const root = document.createElement("div")
   root.className = "events"
-  root.setAttribute("role", "list")
+  root.setAttribute("role", "group")
   root.setAttribute("aria-label", "Events of both flights")
   let rows = [], now = 0, shown
 

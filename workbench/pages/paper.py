@@ -35,6 +35,7 @@ from workbench.pages.paper_view import (
     panel,
     prepare,
 )
+from workbench.pages.waiting import waiting
 from workbench.reproduce.protocol import LABELS, TRAINED_FOR
 
 TICK_MS = 1000
@@ -83,7 +84,12 @@ class PaperPage:
             self._picker, self._contents, width=214, margin=0, sx={"gap": "12px"},
             styles={"flex": "0 0 auto", "position": "sticky", "top": "12px", "align-self": "flex-start"},
         )  # fmt: skip
-        self._main = pn.Column(sizing_mode="stretch_width", margin=0, styles={"gap": "12px", "min-width": "0"})
+        self._main = pn.Column(
+            waiting("Reading the results …"),
+            sizing_mode="stretch_width",
+            margin=0,
+            styles={"gap": "12px", "min-width": "0"},
+        )
         body = pn.Column(self._alert, self._main, sizing_mode="stretch_width", margin=0, styles={"gap": "12px"})
         return pn.Column(
             pn.Row(rail, body, sizing_mode="stretch_width", margin=0, styles={"gap": "16px"}), self._run.dialog,

@@ -13,6 +13,7 @@ import panel_material_ui as pmui
 
 from agents.config import PROFILES
 from sim.errors import SubMasError
+from workbench.pages.number_field import NumberField
 from workbench.pages.paper_results import results_root
 from workbench.pages.paper_sheet import PaperSheet, command, words
 from workbench.reproduce import background
@@ -57,8 +58,9 @@ class RunPanel:
         self._profile = pmui.Select(label="Profile", options=options, value="fast", **common)
         labels = {"submas": "Seeds of SubMas-RL", "ablations": "of each ablation", "baselines": "of each baseline"}
         self._seeds = {
-            name: pmui.IntInput(
-                label=label, value=getattr(SEEDS_AT_FIRST, name), start=1, end=MOST_SEEDS, **common
+            name: NumberField(
+                label=label, value=getattr(SEEDS_AT_FIRST, name), start=1, end=MOST_SEEDS,
+                margin=0, sizing_mode="stretch_width",
             )
             for name, label in labels.items()
         }  # fmt: skip

@@ -55,8 +55,8 @@ export function render({model}) {
   const id = `runs-${++serial}`
   const head = make("div", "head row", root, {role: "row"})
   const top = make("div", "top", root, {role: "rowgroup"})
-  const view = make("div", "view", root, {role: "rowgroup"})
-  const sheet = make("div", "sheet", view)
+  const view = make("div", "view", root, {role: "presentation"})
+  const sheet = make("div", "sheet", view, {role: "rowgroup"})
   const nothing = make("div", "nothing", view)
   const every = JSON.parse(model.columns)
   let lines = [], columns = [], shape = "", drawing = 0, waiting = 0
