@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
 from agents.hyperparameters import PROFILES, ConfigError, Hyperparameters
+from sim.errors import shorten
 from sim.scenario_file import load_scenario
 
 __all__ = ["PROFILES", "VARIANTS", "ConfigError", "Hyperparameters", "TrainingConfig", "Variant"]
@@ -226,8 +227,8 @@ def _check_single(config: TrainingConfig) -> None:
 def _check_field(name: str, value: Any, kind: type) -> None:
     # bool is a subclass of int in Python; `"missiles": true` is still a mistake.
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        raise ConfigError(f"{name} is {value!r}; a {kind.__name__} is needed")
+        raise ConfigError(f"{name} is {shorten(repr(value))}; a {kind.__name__} is needed")
     if name in _CHOICES and value not in _CHOICES[name]:
-        raise ConfigError(f"{name} '{value}' is unknown; choose {', '.join(_CHOICES[name])}")
+        raise ConfigError(f"{name} '{shorten(value)}' is unknown; choose {', '.join(_CHOICES[name])}")
     if name in _RANGES and not _RANGES[name][0] <= value <= _RANGES[name][1]:
-        raise ConfigError(f"{name} is {value}; legal is {_RANGES[name][0]} to {_RANGES[name][1]}")
+        raise ConfigError(f"{name} is {shorten(repr(value))}; legal is {_RANGES[name][0]} to {_RANGES[name][1]}")

@@ -30,8 +30,12 @@ SECTIONS: dict[str, type] = {
 }  # fmt: skip
 OPTIONAL = {"variation", "sensor"}
 """Sections a file may leave out, as it may leave out their keys: what is not said is off."""
-SIZE_LIMIT = 256 * 1024
+SIZE_LIMIT = 32 * 1024
 """Largest scenario file that is read [bytes]."""
+LINE_LIMIT = 1200
+"""Longest line of one [bytes]: the time to read a key of dots grows with the square of their number."""
+PATH_LIMIT = 200
+"""Characters of a path that are repeated in a sentence."""
 TEXT_LIMITS = {"name": 100, "description": 1000}
 """Longest texts of a scenario [characters]."""
 
@@ -47,6 +51,7 @@ def load_scenario(name: str = "default") -> Scenario:
     Raises:
         ScenarioError: no such scenario, or the file is damaged; names the key, the value and the legal range.
     """
+    shown = shorten(name, PATH_LIMIT)
     path = Path(name) if name.endswith(".toml") else asset_path("scenarios", f"{name}.toml")
     try:
         if not path.is_file():
@@ -55,12 +60,14 @@ def load_scenario(name: str = "default") -> Scenario:
             content = file.read(SIZE_LIMIT + 1)
     except FileNotFoundError:
         known = ", ".join(scenario_names())
-        raise ScenarioError(f"no scenario '{shorten(name)}'; there are {known}, or a path to a .toml file") from None
+        raise ScenarioError(f"no scenario '{shown}'; there are {known}, or a path to a .toml file") from None
     except (OSError, ValueError) as error:  # ValueError: a zero byte or half a surrogate pair in the name
         reason = getattr(error, "strerror", None) or error
-        raise ScenarioError(f"scenario '{shorten(name)}' cannot be read: {reason}") from None
+        raise ScenarioError(f"scenario '{shown}' cannot be read: {reason}") from None
     if len(content) > SIZE_LIMIT:
         raise ScenarioError(f"scenario file {path} is larger than {SIZE_LIMIT // 1024} kB, no scenario is")
+    if any(len(line) > LINE_LIMIT for line in content.splitlines()):
+        raise ScenarioError(f"scenario file {path} has a line longer than {LINE_LIMIT} bytes, no scenario has")
     return _load(content, str(path))
 
 

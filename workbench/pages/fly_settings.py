@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +13,8 @@ from workbench.scenarios import DEFAULT
 
 SEED_MAX = 2**53 - 1
 """Largest whole number that a browser keeps exactly; the seeds of evaluations are large."""
+TIME_MAX_S = 1e6
+"""Latest time of the clock; no flight is nearly as long [s]."""
 LONGEST = 60
 """Characters of a wrong value that are repeated to the person."""
 
@@ -122,4 +123,4 @@ def _seconds(text: str) -> float | None:
         seconds = float(text)
     except ValueError:
         return None
-    return seconds if math.isfinite(seconds) and seconds >= 0.0 else None
+    return seconds if 0.0 <= seconds <= TIME_MAX_S else None
