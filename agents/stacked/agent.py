@@ -13,6 +13,7 @@ from agents.knowledge_transfer import end_reason, evaluate_epoch, finish_stage, 
 from agents.metrics import epoch_row
 from agents.policy import Policy
 from agents.recorder import Recorder
+from agents.snapshot import Snapshot
 from agents.stacked.residence import Weights
 from agents.stage import Stage
 from agents.submas import source_of
@@ -33,6 +34,12 @@ class Member:
     guide: Policy
     """Guides the (first) stage."""
     ended: Ended = lambda _error: None
+    abandoned: Callable[[], bool] = lambda: False
+    """Asked at every step; True ends the training where it stands, without a last evaluation."""
+
+
+class Abandoned(Exception):
+    """A training was to end at once."""
 
 
 @dataclass(frozen=True)
@@ -84,22 +91,23 @@ class Agent:
         task, guide = self.stage.task, self.stage.guide
         self.member.recorder.event("stage_started", f"{task.name} guided by {guide.name}", task=task.name)
 
-    def close_epoch(self) -> Policy | None:
+    def close_epoch(self, take: Callable[[], Snapshot]) -> Policy | None:
         """Evaluate, report, move α and ε (Algorithm 4, lines 23-25); the stage's policy where the stage is over.
 
-        Whatever goes wrong ends this agent and no other.
+        Whatever goes wrong ends this agent and no other. `take` takes the snapshot that is offered to the recorder.
         """
         try:
-            return self._close_epoch()
+            return self._close_epoch(take)
         except Exception as error:  # its reason is handed to the run it belongs to
             self.over, self.failure = True, error
             return None
 
-    def _close_epoch(self) -> Policy | None:
+    def _close_epoch(self, take: Callable[[], Snapshot]) -> Policy | None:
         stage, state, recorder = self.stage, self.state, self.member.recorder
         evaluation = evaluate_epoch(stage, state, recorder)
         recorder.epoch(epoch_row(stage, state, evaluation))
         update_weights(stage, state)
+        recorder.checkpoint(take)
         reason = end_reason(stage, state, recorder)
         if not reason:
             return None

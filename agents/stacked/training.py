@@ -12,6 +12,7 @@ import dataclasses
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -21,8 +22,10 @@ from agents.config import ConfigError
 from agents.evasion import EVASION, EvasionDomain
 from agents.hyperparameters import Hyperparameters
 from agents.numerics import prepare_torch
-from agents.stacked.agent import Agent, HostActor, HostLearner, Member
+from agents.snapshot import Snapshot
+from agents.stacked.agent import Abandoned, Agent, HostActor, HostLearner, Member
 from agents.stacked.collection import Stack, collect
+from agents.stacked.departure import snapshot_of
 from agents.stacked.encoder import Encoder
 from agents.stacked.guides import StackedGuides
 from agents.stacked.lanes import Lanes
@@ -105,8 +108,9 @@ class StackedTraining:
         for agent in self.agents:
             agent.state.epoch += 1
             agent.state.counts = EpochCounts()
-        while steps < self.hyper.steps_per_epoch:
+        while steps < self.hyper.steps_per_epoch and self.agents:
             steps += self.step()
+            self._dismiss()
         for agent, allowed in zip(self.agents, self.stack.lanes.allowed.tolist(), strict=True):
             agent.state.counts.transfer_allowed = allowed
         self.stack.lanes.allowed.zero_()
@@ -124,10 +128,18 @@ class StackedTraining:
                 self.agents[place].state.counts.updates += self.hyper.updates_per_lane_step
         return self.hyper.lanes
 
+    def _dismiss(self) -> None:
+        """Let those go who were told to end at once."""
+        for agent in self.agents:
+            if agent.member.abandoned():
+                agent.over, agent.failure = True, Abandoned()
+        self._leave()
+
     def close_epoch(self) -> None:
         """Let every agent evaluate and decide, side by side; begin next stages, and let those go who are done."""
         self._fetch()
-        policies = list(self._pool.map(Agent.close_epoch, self.agents))
+        takes = [partial(self._snapshot, place) for place in range(len(self.agents))]
+        policies = list(self._pool.map(Agent.close_epoch, self.agents, takes))
         for place, (agent, policy) in enumerate(zip(self.agents, policies, strict=True)):
             if agent.over:
                 continue
@@ -137,6 +149,10 @@ class StackedTraining:
             self.stack.lanes.alpha[place] = agent.state.alpha
             self.stack.lanes.epsilon[place] = agent.state.epsilon
         self._leave()
+
+    def _snapshot(self, place: int) -> Snapshot:
+        agent = self.agents[place]
+        return snapshot_of(agent.stage, agent.state, self.stack, place)
 
     def _begin(self, place: int) -> None:
         """Fresh networks, an empty replay and a fresh world for an agent's stage (Algorithm 4, lines 1-2)."""
