@@ -16,6 +16,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -141,7 +142,7 @@ def _start(run: Run) -> bool:
         starting = dataclasses.replace(run.state, **alive, patience_s=PATIENCE_S, error="")
         run.write_state(starting)
         try:
-            _children.append(_spawn(run, lock))
+            spawn((*ENTRY, str(run.path), "--lock", str(lock)), (lock,), run.path / "log.txt")
         except OSError as error:
             reason = f"cannot start a training process: {error.strerror}"
             run.write_state(dataclasses.replace(starting, state="failed", error=reason))
@@ -153,18 +154,23 @@ def _start(run: Run) -> bool:
         os.close(lock)
 
 
-def _spawn(run: Run, lock: int) -> subprocess.Popen[bytes]:
-    command = [sys.executable, *ENTRY, str(run.path), "--lock", str(lock)]
-    with (run.path / "log.txt").open("ab") as log:
-        return subprocess.Popen(
-            command,
+def spawn(arguments: Sequence[str], locks: Sequence[int], log_file: Path) -> None:
+    """Start a training process that inherits these locks and outlives us; what it prints goes to the end of a log.
+
+    Raises:
+        OSError: it cannot be started.
+    """
+    with log_file.open("ab") as log:
+        child = subprocess.Popen(
+            [sys.executable, *arguments],
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=subprocess.STDOUT,
-            pass_fds=(lock,),
+            pass_fds=tuple(locks),
             env=environment(),
             start_new_session=True,
         )
+    _children.append(child)
 
 
 def environment() -> dict[str, str]:

@@ -138,19 +138,8 @@ def _train(run: Run, store: RunStore) -> int:
     except StopNow:
         recorder.end("stopped")
         return 130
-    except (AskedToStop, AskedToPause) as asked:
-        recorder.end("paused" if isinstance(asked, AskedToPause) else "stopped")
-        return 0
-    except ActionError as error:
-        return _fail(recorder, f"learning diverged in {recorder.state.task or 'the first epoch'}: {error}")
-    except RunFileError as error:
-        return _fail(recorder, str(error))
-    except OSError as error:
-        return _fail(recorder, f"cannot save: {error.strerror or error}")
-    except SubMasError as error:
-        return _fail(recorder, str(error))
-    except Exception as error:  # the last resort of a process: whatever went wrong, the run must say so
-        return _fail(recorder, f"{type(error).__name__}: {error}")
+    except Exception as error:
+        return conclude(recorder, error)
     recorder.end("stopped" if recorder.stopped else "finished")
     return 0
 
@@ -174,8 +163,25 @@ def _guide(run: Run, store: RunStore) -> Policy:
     return load_policy(brought) if brought.is_file() else guide_for(run.config, store)
 
 
+def conclude(recorder: RunRecorder, error: Exception) -> int:
+    """Write how a training ended that did not come to its end by itself; the exit code."""
+    if isinstance(error, AskedToStop | AskedToPause):
+        recorder.end("paused" if isinstance(error, AskedToPause) else "stopped")
+        return 0
+    traceback.print_exception(error)
+    return _fail(recorder, _reason(recorder, error))
+
+
+def _reason(recorder: RunRecorder, error: Exception) -> str:
+    if isinstance(error, ActionError):
+        return f"learning diverged in {recorder.state.task or 'the first epoch'}: {error}"
+    if isinstance(error, OSError) and not isinstance(error, SubMasError):
+        return f"cannot save: {error.strerror or error}"
+    # The last resort of a process: whatever went wrong, the run must say so.
+    return str(error) if isinstance(error, SubMasError) else f"{type(error).__name__}: {error}"
+
+
 def _fail(recorder: RunRecorder, reason: str) -> int:
-    traceback.print_exc()
     try:
         recorder.end("failed", reason)
     except RunFileError as error:
