@@ -1,203 +1,192 @@
-"""The Live page: a run as it learns, or as it learned: progress, stages, curves, events, and the Stop button."""
+"""The Live page: trainings as they learn: stages, curves, events, what can be done, and the news of their end."""
 
 from __future__ import annotations
 
+import asyncio
 import html
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import Any
+from urllib.parse import parse_qsl
 
 import panel as pn
 import panel_material_ui as pmui
 
-from agents.config import TrainingConfig
 from sim.errors import SubMasError
-from sim.scenario_file import load_scenario
-from sim.task import Task
 from workbench.context import AppContext
-from workbench.pages.address import fly_address, read_query, write_query
-from workbench.pages.live_cards import LIVE_CSS, event_list, head, number_cards, stage_cards
+from workbench.launcher import resume, stop_now
+from workbench.pages.address import read_query, write_query
+from workbench.pages.live_cards import EVENTS_CSS
+from workbench.pages.live_chain import LiveChain
 from workbench.pages.live_curves import LiveCurves
-from workbench.pages.live_watch import RunWatch
-from workbench.policies import title
-from workbench.run_state import RunState
-from workbench.runs import Run
-from workbench.scenarios import other_scenario
-from workbench.stages import summarise
+from workbench.pages.live_desk import LiveDesk, LiveLook, LiveRun
+from workbench.pages.live_head import LiveHead
+from workbench.pages.live_layout import LiveLayout, nothing
+from workbench.pages.live_list import LiveList
+from workbench.pages.live_settings import MOST_BESIDE, LiveSettings, read_settings
+from workbench.pages.live_view import LiveView
+from workbench.pages.runs_follow import Follower
+from workbench.runs import Run, RunStore
 
-TICK_MS = 500
-LIST_EVERY = 6
-"""Ticks between two looks for new runs."""
+SETTLED_S = 0.4
+"""How long a view has to stand before it becomes an entry of the browser's history."""
+
+ACTS: dict[str, Callable[[RunStore, Run], object]] = {
+    "pause": lambda _store, run: run.request_pause(),
+    "stop": lambda _store, run: run.request_stop(),
+    "resume": resume,
+    "kill": lambda _store, run: stop_now(run),
+}
+"""What a button of the head does with the opened run."""
 
 
 def page(context: AppContext) -> pn.viewable.Viewable:
     """The Live page of one session."""
-    return LivePage(context).layout
+    made = LivePage(context)
+    # Scheduled, not awaited: Panel shows its spinner over everything until what it loads has returned.
+    pn.state.onload(lambda: pn.state.execute(made.live))
+    pn.state.on_session_destroyed(lambda _session: made.follower.stop())
+    return made.layout
 
 
 class LivePage:
-    """The run that one session looks at."""
+    """One session's view of the trainings."""
 
     def __init__(self, context: AppContext) -> None:
         self._store = context.store
-        self._watch: RunWatch | None = None
-        self._ticks = 0
-        self._make_controls()
-        self._make_views()
-        self.layout = self._arrange()
-        self._list_runs()
-        self._open_first(read_query().get("run", ""))
-        self._picker.param.watch(self._pick, "value")
-        callback = pn.state.add_periodic_callback(self._tick, TICK_MS)
-        pn.state.on_session_destroyed(lambda _session: callback.stop())
+        self._desk = LiveDesk(context)
+        self.settings = read_settings(read_query())
+        self.follower = Follower(self.refresh)
+        self._turn = asyncio.Lock()
+        self._taking = False
+        self._make_parts()
+        self._places = LiveLayout(self)
+        self.layout = self._places.layout
+        self._take_settings()
 
-    def _make_controls(self) -> None:
-        self._picker = pmui.Select(label="Run", options={}, size="small", sizing_mode="stretch_width", margin=0)
-        self._fly = pmui.Button(
-            label="Fly latest policy", icon="flight_takeoff", variant="outlined", width=190, margin=0
+    def _make_parts(self) -> None:
+        wide: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": 0}
+        self.head, self.chain, self.list, self.view = (
+            part(**wide) for part in (LiveHead, LiveChain, LiveList, LiveView)
         )
-        self._stop = pmui.Button(
-            label="Stop", icon="stop_circle", color="error", variant="outlined", width=130, margin=0
-        )
-        self._stop.on_click(self._ask)
-        yes = pmui.Button(label="Stop this run", color="error", margin=0)
-        no = pmui.Button(label="Let it learn on", variant="text", margin=0)
-        yes.on_click(self._confirmed)
-        no.on_click(self._close)
-        words = "It stops at the end of its epoch and keeps its best policy. It cannot be continued."
-        self._dialog = pmui.Dialog(words, pmui.Row(yes, no, margin=(16, 0, 0, 0)), title="Stop this run?", open=False)
+        self.curves = LiveCurves(self._hide)
+        self.events = pn.pane.HTML("", stylesheets=[EVENTS_CSS], **wide)
+        self.empty = pn.pane.HTML("", **wide)
+        self.alert = pmui.Alert(object="", visible=False, severity="warning", **wide)
+        self.head.param.watch(lambda event: pn.state.execute(partial(self.act, event.new[0])), "asked")
+        self.list.param.watch(lambda event: self._ask(*event.new[:2]), "asked")
+        self.view.param.watch(lambda event: self._change(x=event.new), "x")
+        self.view.param.watch(lambda event: self._change(smooth=event.new), "smooth")
+        self.view.param.watch(lambda event: self._change(without=tuple(event.new)), "without")
+        self.view.param.watch(lambda event: self._arrive(event.new[0]), "visited")
 
-    def _make_views(self) -> None:
-        self._html = {name: self._pane() for name in ("head", "stages", "numbers")}
-        self._events = pn.pane.HTML("", stylesheets=[LIVE_CSS], sizing_mode="stretch_width", height=500, margin=0)
-        self._progress = pmui.LinearProgress(value=0, sizing_mode="stretch_width", margin=0, height=8)
-        self._alert = pmui.Alert(object="", visible=False, severity="warning", margin=0, sizing_mode="stretch_width")
-        self._curves = LiveCurves()
-        self._waiting = pn.pane.HTML(
-            "The curves begin with the first finished epoch.", stylesheets=[LIVE_CSS], margin=0
-        )
+    # What a person changes.
 
-    def _pane(self, text: str = "") -> pn.pane.HTML:
-        return pn.pane.HTML(text, stylesheets=[LIVE_CSS], sizing_mode="stretch_width", margin=0)
+    def _change(self, **changes: Any) -> None:
+        if not self._taking:
+            self._open(replace(self.settings, **changes))
 
-    def _arrange(self) -> pn.viewable.Viewable:
-        curves = _column("4 1 860px", _panel(self._waiting, self._curves.layout))
-        events = _column("1 1 300px", _panel(self._events))
-        self._run_views = pn.Column(
-            _panel(self._html["head"], self._progress, self._html["stages"], self._html["numbers"]),
-            pn.FlexBox(curves, events, gap="12px", sizing_mode="stretch_width", margin=0),
-            sizing_mode="stretch_width", margin=0, styles={"gap": "12px"},
-        )  # fmt: skip
-        controls = pmui.Row(self._picker, self._fly, self._stop, margin=0, sx={"gap": "12px", "alignItems": "center"})
-        return pn.Column(
-            controls, self._alert, self._run_views, self._dialog,
-            sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "12px"},
-        )  # fmt: skip
-
-    def _open_first(self, wanted: str) -> None:
-        """The run the address names, else the newest."""
-        runs = [run for run in self._store.list() if not run.problem]
-        if wanted:
-            try:
-                self._open(self._store.get(wanted))
-                return
-            except SubMasError as error:
-                self._complain(f"{error}.")
-        if not runs:
-            self._run_views.visible = self._stop.visible = self._fly.visible = False
-            self._complain(self._alert.object or "No run yet. The Curriculum page launches one.")
+    def _open(self, settings: LiveSettings, written: bool = False) -> None:
+        if settings == self.settings:
             return
-        self._open(next((run for run in runs if run.state.active), runs[0]))
+        self.settings = settings
+        self._take_settings()
+        pn.state.execute(self.refresh)
+        if not written:
+            pn.state.execute(self._write_address)
 
-    def _open(self, run: Run) -> None:
-        if run.problem:
-            self._run_views.visible = False
-            self._complain(f"Run {run.id} cannot be shown: {run.problem}.")
+    def _hide(self, name: str) -> None:
+        hidden = self.settings.hidden
+        others = tuple(each for each in hidden if each != name)
+        self._change(hidden=others if name in hidden else (*hidden, name))
+
+    def _ask(self, what: str, run_id: str) -> None:
+        """A click in the list."""
+        if what == "open":
+            self._open(self.settings.opening(run_id))
+        elif what == "beside":
+            self._open(self.settings.toggled(run_id))
+        elif what == "alone":
+            self._change(beside=())
+        elif what == "seeds":
+            pn.state.execute(self._lay_seeds)
+
+    async def _lay_seeds(self) -> None:
+        found = await asyncio.to_thread(self._desk.seeds, self.settings)
+        self._change(beside=tuple(found[:MOST_BESIDE]))
+
+    def _arrive(self, address: str) -> None:
+        """The browser went back or forward."""
+        self._open(read_settings(dict(parse_qsl(address.removeprefix("?")))), written=True)
+
+    async def act(self, what: str) -> None:
+        """A button of the head, for the opened run."""
+        act = ACTS.get(what)
+        if act is None:
             return
-        self._watch = RunWatch(run)
-        self._run_views.visible = True
-        if self._picker.value != run.id:
-            self._picker.value = run.id
-        write_query(run=run.id)
-        self._tick()
-
-    def _pick(self, event: Any) -> None:
-        if event.new and (self._watch is None or event.new != self._watch.run.id):
-            self._complain("")
-            self._open(self._store.get(event.new))
-
-    def _list_runs(self) -> None:
-        runs = [run for run in self._store.list() if not run.problem]
-        options = {f"{title(run.config)} · {run.state.state} · {run.id}": run.id for run in runs}
-        if options != self._picker.options:
-            # A run's label changes with its state; the choice stays.
-            chosen = (
-                self._picker.value if self._picker.value in options.values() else next(iter(options.values()), None)
-            )
-            self._picker.param.update(options=options, value=chosen)
-
-    def _tick(self) -> None:
-        self._ticks += 1
-        if self._ticks % LIST_EVERY == 0:
-            self._list_runs()
-        if self._watch is not None and self._watch.look():
-            self._show(self._watch)
-
-    def _show(self, watch: RunWatch) -> None:
         try:
-            state, config = watch.run.state, watch.run.config
-            tasks = stage_tasks(config)
+            await asyncio.to_thread(lambda: act(self._store, self._store.get(self.settings.run)))
         except SubMasError as error:
-            self._complain(f"Run {watch.run.id} cannot be shown any more: {error}.")
-            return
-        row = watch.rows[-1] if watch.rows else None
-        self._html["head"].object = head(state, row, other_scenario(config.scenario))
-        self._html["stages"].object = stage_cards(tasks, summarise(watch.rows), state, row)
-        self._html["numbers"].object = number_cards(row)
-        self._events.object = event_list(watch.events)
-        self._progress.value = round(100 * state.progress)
-        self._curves.show(watch.rows)
-        self._curves.layout.visible = bool(watch.rows)
-        self._waiting.visible = not watch.rows
-        self._update_buttons(watch.run, state)
-        if watch.problem:
-            self._complain(f"Not all of this run can be shown: {watch.problem}.")
+            if pn.state.notifications is not None:
+                pn.state.notifications.error(html.escape(str(error)), duration=8000)
+        await self.refresh()
 
-    def _update_buttons(self, run: Run, state: RunState) -> None:
-        # Never disabled: the browser now and then missed that it was enabled again. Without a policy Fly says so.
-        self._fly.href = fly_address(run)
-        asked = state.state == "running" and run.stop_requested()
-        self._stop.disabled = asked or not state.active
-        self._stop.label = "Stopping …" if asked else "Stop"
+    # What it shows.
 
-    def _ask(self, _event: object) -> None:
-        self._dialog.open = True
+    async def live(self) -> None:
+        """Show what there is, and follow it until the page is left."""
+        await self.refresh()
+        self.follower.start()
 
-    def _close(self, _event: object) -> None:
-        self._dialog.open = False
+    async def refresh(self) -> None:
+        """Show what has changed since the last look."""
+        async with self._turn:
+            settings = self.settings
+            found = await asyncio.to_thread(self._desk.look, settings)
+        if settings == self.settings:
+            # Figures may only be changed while the session's document is locked, which it is in a scheduled call.
+            pn.state.execute(partial(self._show, found), schedule=True)
 
-    def _confirmed(self, _event: object) -> None:
-        self._dialog.open = False
-        if self._watch is not None:
-            self._watch.run.request_stop()
-            self._show(self._watch)
+    def _show(self, found: LiveLook) -> None:
+        if found.settings != self.settings and not self.settings.run:
+            self.settings = found.settings
+            pn.state.execute(self._write_address)
+        if found.sides is not None:
+            self.list.lines, self.head.watched = found.sides.lines, found.sides.watched
+        shown = bool(found.settings.run) and not found.problem
+        if not shown:
+            self._show_nothing(found)
+        elif found.run is not None:
+            self._show_run(found.run)
+        self._places.stand(shown, bool(found.settings.run))
+
+    def _show_run(self, run: LiveRun) -> None:
+        self.head.facts, self.chain.cards = run.facts, run.chain
+        if self.events.object != run.events:
+            self.events.object = run.events
+        self.curves.show(self.settings, run.drawing)
+        self._complain(f"Not all of this run can be shown: {run.problem}." if run.problem else "")
+
+    def _show_nothing(self, found: LiveLook) -> None:
+        self.head.facts = "{}"
+        self.empty.object = nothing(found.finished)
+        self._complain(f"{found.problem}." if found.problem else "")
+
+    def _take_settings(self) -> None:
+        self._taking = True
+        try:
+            settings = self.settings
+            self.view.param.update(x=settings.x, smooth=settings.smooth, without=list(settings.without))
+            self.curves.take(settings)
+        finally:
+            self._taking = False
+
+    async def _write_address(self) -> None:
+        settings = self.settings
+        await asyncio.sleep(SETTLED_S)
+        if settings == self.settings:
+            write_query(**settings.to_query())
 
     def _complain(self, sentence: str) -> None:
-        self._alert.object = html.escape(sentence)
-        self._alert.visible = bool(sentence)
-
-
-def stage_tasks(config: TrainingConfig) -> list[str]:
-    """Names of the tasks a training learns, in order.
-
-    Raises:
-        ScenarioError: the scenario of the run is not there any more.
-    """
-    target = Task(load_scenario(config.scenario))
-    return [target.mask(missile for missile in target.missiles if missile not in kept).name for kept in config.stages]
-
-
-def _column(flex: str, panel: pmui.Paper) -> pmui.Column:
-    return pmui.Column(panel, margin=0, styles={"flex": flex, "min-width": "0"})
-
-
-def _panel(*parts: Any) -> pmui.Paper:
-    return pmui.Paper(*parts, elevation=1, margin=0, sizing_mode="stretch_width", sx={"p": "14px 16px", "gap": "12px"})
+        self.alert.param.update(object=html.escape(sentence), visible=bool(sentence))
