@@ -11,12 +11,12 @@ import pytest
 
 from tests.security.hostile import EVERY, PRINTABLE, STEERING, steers
 from tests.security.hostile_runs import fill, policy_file, scenario_file
+from tests.security.sources import calls, trees
 from workbench import cli
 from workbench.progress import bar
 from workbench.runs import RunStore
 from workbench.terminal import print_json, print_line, print_table
 
-ROOT = Path(__file__).parents[2]
 TALKERS = {
     "terminal.py": "the home of what is printed",
     "server.py": "its own address",
@@ -133,9 +133,8 @@ def test_files_with_names_that_steer_are_refused_in_a_sentence(
 
 def test_only_one_module_prints() -> None:
     found = set()
-    for path in (ROOT / "workbench").rglob("*.py"):
-        calls = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Call)]
-        said = [node for node in calls if ast.unparse(node.func) in SAYS and path.name not in TALKERS]
+    for path, tree in trees("workbench").items():
+        said = [node for node in calls(tree) if ast.unparse(node.func) in SAYS and path.name not in TALKERS]
         found |= {f"{path.name} line {node.lineno}" for node in said if not all(map(_constant, node.args))}
     assert found == set()
 

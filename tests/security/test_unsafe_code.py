@@ -14,10 +14,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-SOURCES = sorted(
-    path for part in ("sim", "agents", "layouts", "workbench", "scripts") for path in (ROOT / part).rglob("*.py")
-)
+from tests.security.sources import PACKAGES, ROOT, trees
+
 PAGES = sorted([*ROOT.glob("workbench/**/*.js"), *ROOT.glob("workbench/**/*.html")])
 BANNED_IMPORTS = {
     "pickle", "cPickle", "_pickle", "dill", "joblib", "cloudpickle", "shelve", "marshal", "yaml", "telnetlib", "ftplib",
@@ -38,9 +36,9 @@ CONSTANT_MARKUP = re.compile(
 """Markup of the program's own: literals, and shapes from a table of the same file."""
 
 
-def findings(source: str) -> Iterator[str]:
+def findings(tree: ast.Module) -> Iterator[str]:
     """Every banned thing in a Python source."""
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
             yield from (f"line {node.lineno} imports {name}" for name in names if name.split(".")[0] in BANNED_IMPORTS)
@@ -65,8 +63,9 @@ def _call_findings(node: ast.Call) -> Iterator[str]:
 
 
 def test_no_source_loads_or_runs_what_it_is_given() -> None:
-    assert len(SOURCES) > 200
-    found = {path.relative_to(ROOT): list(findings(path.read_text("utf-8"))) for path in SOURCES}
+    sources = trees(*PACKAGES)
+    assert len(sources) > 200
+    found = {path.relative_to(ROOT): list(findings(tree)) for path, tree in sources.items()}
     assert {path: lines for path, lines in found.items() if lines} == {}
 
 
@@ -80,14 +79,14 @@ def test_no_source_loads_or_runs_what_it_is_given() -> None:
     ],
 )  # fmt: skip
 def test_the_search_finds_what_it_bans(source: str) -> None:
-    assert list(findings(source))
+    assert list(findings(ast.parse(source)))
 
 
 @pytest.mark.parametrize(
     "source", ["# pickle\nx = 'eval(1)'", "torch.load(p, weights_only=True)", "policy.evaluate(t)"]
 )
 def test_the_search_leaves_words_alone(source: str) -> None:
-    assert not list(findings(source))
+    assert not list(findings(ast.parse(source)))
 
 
 def test_scripts_make_text_nodes_and_no_markup_of_what_they_are_told() -> None:
