@@ -93,7 +93,8 @@ class _Watch:
 
 
 def _name(run: Run) -> str:
-    return f"seed {run.config.seed}"
+    variant = run.config.variant
+    return f"seed {run.config.seed}" if variant == "submas" else f"{variant} seed {run.config.seed}"
 
 
 def _figures(state: RunState) -> str:

@@ -86,9 +86,11 @@ class Agent:
         self.over = False
         self.failure: Exception | None = None
 
-    def begin(self) -> None:
-        """Say that the stage begins."""
+    def begin(self, numerics: str) -> None:
+        """Say that the stage begins, and with the first one how this training computes."""
         task, guide = self.stage.task, self.stage.guide
+        if self.number == 0:
+            self.member.recorder.event("numerics", numerics)
         self.member.recorder.event("stage_started", f"{task.name} guided by {guide.name}", task=task.name)
 
     def close_epoch(self, take: Callable[[], Snapshot]) -> Policy | None:

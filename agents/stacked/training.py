@@ -21,7 +21,7 @@ import torch
 from agents.config import ConfigError
 from agents.evasion import EVASION, EvasionDomain
 from agents.hyperparameters import Hyperparameters
-from agents.numerics import prepare_torch
+from agents.numerics import matmul_route, prepare_torch
 from agents.snapshot import Snapshot
 from agents.stacked.agent import Abandoned, Agent, HostActor, HostLearner, Member
 from agents.stacked.collection import Stack, collect
@@ -64,12 +64,8 @@ def train_stacked(
     Raises:
         ConfigError: no members, profiles that differ, or a variant that cannot be stacked.
     """
-    route = prepare_torch()
-    training = StackedTraining(members, device, domain, hyperparameters, simulator)
-    text = f"{len(members)} agents stacked on {device_name(training.device)}; matrix products: {route}"
-    for agent in training.agents:
-        agent.member.recorder.event("numerics", text)
-    training.run()
+    prepare_torch()
+    StackedTraining(members, device, domain, hyperparameters, simulator).run()
 
 
 class StackedTraining:
@@ -86,9 +82,13 @@ class StackedTraining:
         """Make room for everybody; arguments as in `train_stacked`."""
         self.device = torch.device(device)
         domain = domain or EVASION
-        self.agents = [Agent(one, domain, hyperparameters or one.config.hyperparameters) for one in members]
-        self.hyper = common_hyperparameters([agent.hyper for agent in self.agents])
+        each = [hyperparameters or one.config.hyperparameters for one in members]
+        self.agents = [Agent(one, domain, hyper) for one, hyper in zip(members, each, strict=True)]
+        self.hyper = common_hyperparameters(each)
         self.stack = empty_stack(self.agents, domain, self.hyper, self.device, simulator)
+        self._numerics = (
+            f"{len(members)} agents stacked on {device_name(self.device)}; matrix products: {matmul_route()}"
+        )
         self._pool = ThreadPoolExecutor(min(len(members), _cores()))
         self.block = UpdateBlock(self.stack, self.hyper)
         for place in range(len(self.agents)):
@@ -159,7 +159,7 @@ class StackedTraining:
         agent, stack, hyper = self.agents[place], self.stack, self.hyper
         stage = agent.stage
         try:
-            agent.begin()
+            agent.begin(self._numerics)
         except Exception as error:  # of a recorder: a run that was asked to stop, or a full disk
             agent.over, agent.failure = True, error
             return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from workbench.engine_options import LOCAL, EngineOptions
+from workbench.stack_options import ONE_BY_ONE, StackOptions
 
 if TYPE_CHECKING:
     from agents.config import TrainingConfig
@@ -31,11 +33,11 @@ class Args:
     guide: str = ""
     """POLICY that guides the first stage (default: the one for the task with a missile less)."""
     variant: str = "submas"
-    """Table 3: submas, wo-pd, wo-pr, dec-pd or dec-pr; or from scratch: td3, sac or ppo."""
+    """Table 3: submas, wo-pd, wo-pr, dec-pd or dec-pr; or from scratch: td3, sac or ppo. Several between commas."""
     profile: str = "fast"
     """Settings: fast, paper (Table 2 exactly) or smoke (seconds, to try things out)."""
     seeds: str = "0"
-    """One run per seed: 0 or 0,1,2 or 0-4."""
+    """One run per seed (and variant): 0 or 0,1,2 or 0-4."""
     scenario: str = "default"
     """Scenario: a shipped name or a path to a scenario file."""
     name: str = ""
@@ -44,6 +46,8 @@ class Args:
     """Folder of the runs."""
     where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
     """Where the runs work."""
+    stack: Annotated[StackOptions, tyro.conf.arg(name="")] = ONE_BY_ONE
+    """Whether they learn together, and on which device."""
     json: bool = False
     """Print one JSON object."""
 
@@ -55,12 +59,16 @@ def run(args: Args) -> int:
     from workbench.policies import guide_for
     from workbench.runs import RunStore
     from workbench.seeds import parse_seeds
+    from workbench.stacked_launch import launch_stacked
 
     store = RunStore(args.runs)
-    configs = [configuration(args, seed) for seed in parse_seeds(args.seeds)]
+    args.stack.check(args.where.engine)
+    each = [dataclasses.replace(args, variant=name.strip()) for name in args.variant.split(",")]
+    configs = [configuration(one, seed) for seed in parse_seeds(args.seeds) for one in each]
     guide_for(configs[0], store)  # a guide that is missing is said now, not in a log
     with open_engine(args.where, store) as engine:
-        runs = [engine.launch(config) for config in configs]
+        together = args.stack.together
+        runs = launch_stacked(store, configs, args.stack) if together else [engine.launch(one) for one in configs]
         interrupted = follow(engine, runs)
     report(runs, args.json)
     if interrupted:
@@ -107,11 +115,12 @@ def report(runs: Sequence[Run], as_json: bool) -> None:
     if as_json:
         print_json({"runs": summaries})
         return
-    rows = []
+    several, rows = len({one["variant"] for one in summaries}) > 1, []
     for one in summaries:
+        seed = f"{one['seed']} {one['variant']}" if several else str(one["seed"])
         for stage in one["stages"] or [{"task": "–", "success_rate": None, "epochs": 0, "wall_s": 0.0}]:
             figures = (percent(stage["success_rate"]), str(stage["epochs"]), duration(stage["wall_s"]))
-            rows.append((str(one["seed"]), one["id"], one["state"], stage["task"], *figures))
+            rows.append((seed, one["id"], one["state"], stage["task"], *figures))
     print_table(("seed", "run", "state", "stage", "success", "epochs", "time"), rows)
 
 
@@ -123,6 +132,7 @@ def summary(run: Run) -> dict[str, Any]:
     return {
         "id": run.id,
         "seed": run.config.seed,
+        "variant": run.config.variant,
         "state": run.state.state,
         "stages": summarise(run.metrics()),
         "policy": str(policy) if policy else None,
