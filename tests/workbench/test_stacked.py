@@ -33,6 +33,8 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunStore]
     monkeypatch.setattr(launcher, "ENTRY", (str(RESUMED),))
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
     yield RunStore(tmp_path / "runs")
+    for run in RunStore(tmp_path / "runs").list():
+        stop_now(run)
     for child in launcher._children:
         child.wait(PATIENCE_S)
 
@@ -88,9 +90,10 @@ def test_runs_of_a_stack_end_each_for_itself_and_go_on_each_by_itself(store: Run
     assert len({run.state.pid for run in runs}) == 1 and all(run.state.state == "running" for run in runs)
     stopped.request_stop()
     paused.request_pause()
+    _ends(stopped, "stopped")
+    _ends(paused, "paused")
     stop_now(ended)
-    for run, state in ((stopped, "stopped"), (paused, "paused"), (ended, "stopped")):
-        _ends(run, state)
+    _ends(ended, "stopped")
     assert stopped.events()[-2]["kind"] == "stage_finished"  # judged at the end of its epoch
     assert ended.events()[-2]["kind"] != "stage_finished"  # ended where it stood
     seen = len(killed.metrics())
