@@ -32,5 +32,5 @@ $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "workbench needs Python 3.11 or newer, this is %s; pass another: make PYTHON=python3.11" % sys.version.split()[0])'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@echo "Installing into $(VENV) (once, a few minutes) ..."
-	@$(BIN)/pip install --quiet --editable '.[test,export]' --constraint constraints.txt
+	@$(BIN)/pip install --quiet --editable '.[test,export,cluster]' --constraint constraints.txt
 	@touch $(READY)

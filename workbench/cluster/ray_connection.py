@@ -27,6 +27,8 @@ QUIET: Final = {
     "RAY_USAGE_STATS_ENABLED": "0",  # nothing is told to anybody
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",
 }
+AS_EQUALS: Final = {"RAY_worker_niceness": "0"}
+"""Ray's workers would give way to everything else on the machine; a run of the local engine does not."""
 ON_LOOPBACK: Final = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
 """Ray replaces a loopback address by that of a network card and then listens on every one, except where clusters are
 switched off, which is what this says. `_started` looks whether it has helped."""
@@ -67,7 +69,7 @@ def _check(address: str) -> None:
 @contextlib.contextmanager
 def _started() -> Iterator[None]:
     """A Ray of this command alone: on loopback, without dashboard, with a token that nobody else knows."""
-    os.environ.update(ON_LOOPBACK)
+    os.environ.update(ON_LOOPBACK | AS_EQUALS)
     if os.environ.setdefault("RAY_AUTH_MODE", "token") == "token" and "RAY_AUTH_TOKEN_PATH" not in os.environ:
         os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
     base = tempfile.gettempdir()
@@ -103,7 +105,10 @@ def _reached(address: str) -> Iterator[None]:
 @contextlib.contextmanager
 def _initialised(**how: Any) -> Iterator[None]:
     import ray
+    from ray._private import worker
 
+    # Ray's notes on dead nodes go to standard output, where `--json` promises one object; the engine says it in a line.
+    worker.print_to_stdstream = lambda *_, **__: None
     try:
         ray.init(log_to_driver=False, configure_logging=False, namespace="submas-workbench", **how)
     except (RuntimeError, ValueError, ConnectionError, OSError, TimeoutError) as error:

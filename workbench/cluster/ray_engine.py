@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from agents.config import TrainingConfig
 
 NAME: Final = "ray"
+FAREWELL_S: Final = 10.0
 
 
 @dataclass
@@ -111,7 +112,7 @@ class RayEngine:
         for task in list(self._tasks.values()):
             if task.reference in ended:
                 self._end(task)
-            elif not task.run.state.active:
+            elif not task.run.state.active and not task.run.state.node:
                 ray.cancel(task.reference, force=True)
                 self._let_go(task)
 
@@ -136,6 +137,9 @@ class RayEngine:
         """End what still works; each run can go on from its last checkpoint."""
         import ray
 
+        # A run that has just ended: its node still has a folder to remove.
+        if over := [task.reference for task in self._tasks.values() if not task.run.state.active]:
+            ray.wait(over, num_returns=len(over), timeout=FAREWELL_S)
         for task in list(self._tasks.values()):
             with contextlib.suppress(Exception):  # the cluster may be gone
                 ray.get(self._receiver.expect.remote(task.run.id, 0), timeout=5)

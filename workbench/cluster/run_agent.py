@@ -27,7 +27,7 @@ from workbench.cluster.run_mirror import Head, RunMirror
 from workbench.launcher import environment
 from workbench.run_files import is_locked, take_lock
 
-LOOK_S: Final = 0.25
+LOOK_S: Final = 0.5
 """Time between two looks at the run folder and at what the head wishes."""
 END_PATIENCE_S: Final = 10.0
 """How long a training may take to end at once before it is killed."""

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
+from workbench.engine_options import LOCAL, EngineOptions
+
 if TYPE_CHECKING:
     from agents.envelope import Envelope
 
@@ -44,11 +46,13 @@ class Args:
     scenario: str = "default"
     """Scenario: a shipped name or a path to a scenario file."""
     threads: int | None = None
-    """Threads; all cores by default. The result does not depend on it."""
+    """Threads of this machine; all cores by default. The result does not depend on it."""
     out: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
     """Write the map to this file: .json, .csv (a row per cell), .png or .svg; may be repeated."""
     runs: Path = Path("runs")
     """Folder of the runs."""
+    where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
+    """Where it is flown."""
     json: bool = False
     """Print one JSON object."""
 
@@ -82,23 +86,30 @@ def _check(args: Args) -> None:
         raise UsageError(f"--seed is {args.seed}; it must not be negative")
     if args.threads is not None and not 1 <= args.threads <= THREADS_LIMIT:
         raise UsageError(f"--threads is {args.threads}; legal are 1 to {THREADS_LIMIT}")
+    args.where.check()
 
 
 def _fly(args: Args) -> Envelope:
     from agents.envelope import envelope
     from agents.envelope_axis import parse_axis, parse_held
     from sim.task import task_for
+    from workbench.engine import open_engine
     from workbench.policies import resolve_policy
     from workbench.progress import bar
     from workbench.runs import RunStore
+    from workbench.study_bands import envelope_in_bands
 
     x, y, held = parse_axis(args.x), parse_axis(args.y), [parse_held(text) for text in args.at]
     task = task_for(args.scenario, args.mask)
     policy = resolve_policy(args.policy, RunStore(args.runs))
+    how = {"held": held, "masked": task.masked, "episodes": args.episodes, "seed": args.seed}
+    words = f"{policy.name}, {x.name} × {y.name}"
+    if args.where.engine == "ray":
+        with open_engine(args.where) as engine, bar(words, "flights") as progress:
+            return envelope_in_bands(engine, policy, task.scenario, x, y, how, progress)
     threads = args.threads or len(os.sched_getaffinity(0))
-    how = {"held": held, "masked": task.masked, "episodes": args.episodes, "seed": args.seed, "threads": threads}
-    with bar(f"{policy.name}, {x.name} × {y.name}", "flights") as progress:
-        return envelope(policy, task.scenario, x, y, **how, progress=progress)
+    with bar(words, "flights") as progress:
+        return envelope(policy, task.scenario, x, y, **how, threads=threads, progress=progress)
 
 
 def _show(study: Envelope) -> None:
