@@ -25,9 +25,10 @@ if TYPE_CHECKING:
 RUNS = 2000
 SCRUB_S = 3.0
 PATIENCE_S = 60.0
-STEPS = 5
+STEPS = 6
 NO_PLAYWRIGHT = "bench page drives a browser with Playwright, which is not installed; pip install playwright"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/\?token=[\w-]+")
+COMPARED = "policies=submas-target,expert-dragging&tasks=target&episodes=1000&seed=1"
 Progress = Callable[[int, int], None]
 
 SCRUB = """async (milliseconds) => {
@@ -74,8 +75,8 @@ class PageBench:
     """The table of two thousand runs."""
     runs_filter_s: float | None
     """A name typed into the search until only that run is left."""
-    compare_s: float | None
-    """Two runs compared; None while no page compares runs."""
+    compare_s: float
+    """Two policies flown through the same thousand engagements, until the paired table and its pictures are there."""
 
 
 def bench_page(runs: int = RUNS, scrub_s: float = SCRUB_S, progress: Progress | None = None) -> PageBench:
@@ -84,19 +85,29 @@ def bench_page(runs: int = RUNS, scrub_s: float = SCRUB_S, progress: Progress | 
     Raises:
         BenchError: Playwright or Chromium is missing, or the server did not start.
     """
+    chromium = ensure_browser()
+    tell = progress or (lambda done, total: None)
+    with tempfile.TemporaryDirectory(prefix="workbench-bench-") as folder:
+        make_runs(Path(folder) / "runs", runs)
+        began = time.perf_counter()
+        with serving(Path(folder)) as server, browsing(chromium) as page:
+            tell(1, STEPS)
+            started_s = time.perf_counter() - began
+            return _visit(page, server.link, started_s, scrub_s, tell, runs)
+
+
+def ensure_browser() -> Path:
+    """The Chromium to measure with.
+
+    Raises:
+        BenchError: Playwright or Chromium is missing.
+    """
     if find_spec("playwright") is None:
         raise BenchError(NO_PLAYWRIGHT)
     chromium = find_chromium()
     if chromium is None:
         raise BenchError(MISSING)
-    tell = progress or (lambda done, total: None)
-    with tempfile.TemporaryDirectory(prefix="workbench-bench-") as folder:
-        make_runs(Path(folder) / "runs", runs)
-        began = time.perf_counter()
-        with _server(Path(folder)) as link, _browser(chromium) as page:
-            tell(1, STEPS)
-            started_s = time.perf_counter() - began
-            return _visit(page, link, started_s, scrub_s, tell, runs)
+    return chromium
 
 
 def _visit(page: Page, link: str, started_s: float, scrub_s: float, tell: Progress, runs: int) -> PageBench:
@@ -117,7 +128,9 @@ def _visit(page: Page, link: str, started_s: float, scrub_s: float, tell: Progre
     tell(4, STEPS)
     open_s, filter_s = _runs(page, link, runs)
     tell(5, STEPS)
-    return PageBench(started_s, first_s, drawn_s, switch_s, scrub_hz, open_s, filter_s, compare_s=None)
+    compare_s = _compare(page, link)
+    tell(6, STEPS)
+    return PageBench(started_s, first_s, drawn_s, switch_s, scrub_hz, open_s, filter_s, compare_s)
 
 
 def _runs(page: Page, link: str, runs: int) -> tuple[float, float]:
@@ -141,9 +154,29 @@ def _search(page: Page, name: str) -> float:
     return time.perf_counter() - begin
 
 
+def _compare(page: Page, link: str) -> float:
+    begin = time.perf_counter()
+    page.goto(link.partition("?")[0] + "compare?" + COMPARED)
+    page.locator("a.shot").first.wait_for()
+    return time.perf_counter() - begin
+
+
+@dataclass(frozen=True)
+class Serving:
+    """A running `workbench serve`."""
+
+    link: str
+    """Its address with the token."""
+    pid: int
+
+
 @contextlib.contextmanager
-def _server(folder: Path) -> Iterator[str]:
-    """`workbench serve` in a process of its own, with runs and cache in a folder; its address with the token."""
+def serving(folder: Path) -> Iterator[Serving]:
+    """`workbench serve` in a process of its own, with runs and cache in a folder.
+
+    Raises:
+        BenchError: it did not start.
+    """
     log = folder / "serve.log"
     command = [sys.executable, "-m", "workbench", "serve", "--port", "0", "--no-browser"]
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
@@ -153,7 +186,7 @@ def _server(folder: Path) -> Iterator[str]:
             stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=environment,
         )  # fmt: skip
     try:
-        yield _await_address(process, log)
+        yield Serving(_await_address(process, log), process.pid)
     finally:
         process.terminate()
         try:
@@ -173,7 +206,12 @@ def _await_address(process: subprocess.Popen[bytes], log: Path) -> str:
 
 
 @contextlib.contextmanager
-def _browser(chromium: Path) -> Iterator[Page]:
+def browsing(chromium: Path) -> Iterator[Page]:
+    """A page of a headless browser with nothing in its cache.
+
+    Raises:
+        BenchError: whatever the browser could not do within a minute.
+    """
     from playwright.sync_api import Error, sync_playwright
 
     with sync_playwright() as playwright:

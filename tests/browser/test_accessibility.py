@@ -1,4 +1,4 @@
-"""Names, contrast, structure: what axe finds on every page, dark and light, must be nothing."""
+"""For eyes, ears and windows of all kinds: every page, dark and light, passes axe and fits narrow and wide windows."""
 
 from __future__ import annotations
 
@@ -7,35 +7,61 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
 from tests.conftest import Served
+from workbench.bench_openings import READY
 
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
-THERE = {
-    "fly": ".card.exit, .card.failed",
-    "curriculum": ".stage",
-    "live": "main h2, .empty, .MuiAlert-message, h2",
-    "runs": "[aria-label='Search runs']",
-    "compare": "td small, tr.close",
-    "paper": "[data-verdict]",
-}
-"""What stands on each page once it has been filled."""
+EMPTY = {"runs": "[aria-label='Search runs']"}
+"""What stands on a page while there are no runs, where that is something else."""
+WINDOWS = ((1024, 768), (2560, 1440))
+STICKS_OUT = """width => {
+  const found = [], kinds = "button, input, select, a, h1, h2, h3, legend"
+  const shown = (node, box) => box.width > 0 && box.height > 0 &&
+    node.checkVisibility({checkOpacity: true, checkVisibilityCSS: true})
+  const look = (root) => {
+    for (const node of root.querySelectorAll("*")) {
+      if (node.shadowRoot) { look(node.shadowRoot) }
+      const box = node.getBoundingClientRect()
+      if (node.matches(kinds) && shown(node, box) && (box.left < -1 || box.right > width + 1)) {
+        found.push(`${node.tagName} ${node.textContent.slice(0, 40)}`)
+      }
+    }
+  }
+  look(document)
+  return found.concat(document.scrollingElement.scrollWidth > innerWidth ? ["the page scrolls sideways"] : [])
+}"""
 
 
 def _complaints(page: Page) -> list[str]:
+    page.wait_for_timeout(500)  # transitions of opacity count as little contrast
     found = Axe().run(page, options={"runOnly": RULES, "resultTypes": ["violations"]}).response["violations"]
     return [f"{one['id']}: {one['help']}: {node['html'][:120]}" for one in found for node in one["nodes"]]
 
 
-@pytest.mark.parametrize("colours", ["dark", "default"])
-@pytest.mark.parametrize("name", list(THERE))
-def test_axe_finds_nothing(visitor: Page, served: Served, name: str, colours: str) -> None:
-    visitor.goto(f"{served.address}/{name}?theme={colours}")
-    expect(visitor.locator(THERE[name]).first).to_be_visible()
-    visitor.wait_for_timeout(500)  # transitions of opacity count as little contrast
+def _open(page: Page, served: Served, name: str, colours: str) -> None:
+    page.goto(f"{served.address}/{name}?theme={colours}")
+    expect(page.locator(EMPTY.get(name, READY[name])).first).to_be_visible()
+
+
+@pytest.mark.parametrize("name", list(READY))
+def test_a_page_passes_axe_and_fits(visitor: Page, served: Served, name: str) -> None:
+    _open(visitor, served, name, "dark")
     assert _complaints(visitor) == []
+    _open(visitor, served, name, "default")
+    assert _complaints(visitor) == []
+    for width, height in WINDOWS:
+        visitor.set_viewport_size({"width": width, "height": height})
+        visitor.wait_for_timeout(300)
+        assert visitor.evaluate(STICKS_OUT, width) == []
 
 
 def test_axe_would_find_a_button_without_a_name(visitor: Page, served: Served) -> None:
-    visitor.goto(f"{served.address}/curriculum")
-    expect(visitor.locator(".stage").first).to_be_visible()
+    _open(visitor, served, "curriculum", "dark")
     visitor.evaluate("document.body.append(document.createElement('button'))")
     assert any(line.startswith("button-name") for line in _complaints(visitor))
+
+
+def test_a_button_outside_the_window_would_be_found(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "curriculum", "dark")
+    far = "<button style='position: fixed; left: 1400px; width: 90px'>Far</button>"
+    visitor.evaluate("(far) => document.body.insertAdjacentHTML('beforeend', far)", far)
+    assert visitor.evaluate(STICKS_OUT, 1440) == ["BUTTON Far"]

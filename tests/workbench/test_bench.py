@@ -15,8 +15,9 @@ from sim.reference import ReferenceWorld
 from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Fate, World
-from workbench import bench_growth, bench_learner, bench_page, bench_sim
+from workbench import bench_growth, bench_learner, bench_openings, bench_page, bench_sim
 from workbench.bench_growth import Growth, GrowthCase
+from workbench.bench_openings import Openings
 from workbench.bench_page import BenchError, PageBench
 from workbench.bench_sim import SimCase
 from workbench.cli import main
@@ -120,19 +121,27 @@ def test_a_device_that_is_not_there_is_named(capsys: pytest.CaptureFixture[str])
     assert "there is no device 'cuda:99'; here are cpu" in capsys.readouterr().err
 
 
-def test_pages_keep_the_promised_names_and_the_unbuilt_one_is_null(
+def test_pages_keep_the_promised_names(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    measured = PageBench(1.0, 1.5, 3.0, 1.0, 12.0, 0.5, 0.25, None)
+    measured = PageBench(1.0, 1.5, 3.0, 1.0, 12.0, 0.5, 0.25, 4.5)
     monkeypatch.setattr(bench_page, "bench_page", lambda progress: measured)
     assert bench.run(bench.Args("page", json=True)) == 0
     said = json.loads(capsys.readouterr().out)
     assert set(said) >= PAGE_KEYS
-    assert said["compare_s"] is None
+    assert said["compare_s"] == 4.5
     assert bench.run(bench.Args("page")) == 0
     lines = capsys.readouterr().out.splitlines()
     assert any(line.startswith("scrub") and "12 a second" in line for line in lines)
-    assert any(line.startswith("compare") and "–" in line for line in lines)
+    assert any(line.startswith("compare") and "4.5 s" in line for line in lines)
+
+
+def test_openings_tell_of_memory(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    measured = Openings(300, 400.0, 406.0, 2.0)
+    monkeypatch.setattr(bench_openings, "bench_openings", lambda openings, progress: measured)
+    assert bench.run(bench.Args("page", openings=300)) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("before") and "400 MiB" in line for line in lines)
 
 
 def test_without_playwright_it_is_one_sentence(

@@ -6,19 +6,37 @@ import dataclasses
 import os
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
 
+from sim.errors import UsageError
+from workbench.seeds import LIMIT
+
 
 @dataclass(frozen=True)
 class Args:
-    """Measure how fast this machine is: the simulator, the learner or the pages; each takes less than a minute."""
+    """Measure how fast this machine is: the simulator, the learner or the pages; a minute each, openings more."""
 
     what: Annotated[tyro.conf.Positional[Literal["sim", "learner", "page"]], tyro.conf.arg(metavar="WHAT")]
     """what to measure: sim (env-steps a second), learner (gradient steps a second), page (seconds to be there)."""
     device: str = ""
-    """sim only: cpu or a graphics card such as cuda:0; empty for all there are."""
+    """cpu or a graphics card such as cuda:0. sim: empty for all there are. learner: adds agents stacked there."""
+    curriculum: bool = False
+    """learner only: train many seeds of the whole curriculum together on the device; time and success."""
+    seeds: int = 10
+    """With --curriculum: how many seeds, 0 to N - 1."""
+    profile: str = "fast"
+    """With --curriculum: settings, as for train."""
+    simulator: Literal["device", "host"] = "device"
+    """With --curriculum: where worlds are flown, as for train."""
+    runs: Path = Path("runs")
+    """With --curriculum: folder of the runs."""
+    out: Path | None = None
+    """With --curriculum: the file of the result (default: bench-curriculum-DEVICE.json)."""
+    openings: int = 0
+    """page only: open all pages in turn so many times instead, and say how much memory the server holds then."""
     json: bool = False
     """Print one JSON object."""
 
@@ -30,8 +48,8 @@ def run(args: Args) -> int:
 
     measure, show = {
         "sim": (partial(_sim, args.device), _show_sim),
-        "learner": (_learner, _show_learner),
-        "page": (_page, _show_page),
+        "learner": (partial(_learner, args.device), _show_learner),
+        "page": (partial(_page, args.openings), _show_page),
     }[args.what]
     load = os.getloadavg()[0]
     with bar(f"measuring: {args.what}") as progress:
@@ -74,10 +92,15 @@ def _show_sim(figures: dict[str, Any]) -> None:
     print_line(f"one step of gymnasium.Env: {figures['gymnasium_step_us']:.0f} µs")
 
 
-def _learner(progress: Any) -> dict[str, Any]:
+def _learner(device: str, progress: Any) -> dict[str, Any]:
     from workbench.bench_learner import bench_learner
 
-    return dataclasses.asdict(bench_learner(progress=progress))
+    if not device:
+        return dataclasses.asdict(bench_learner(progress=progress))
+    from workbench.bench_stacked import bench_stacked
+
+    together = bench_stacked(device, progress=progress)
+    return dataclasses.asdict(bench_learner(progress=progress)) | dataclasses.asdict(together)
 
 
 def _show_learner(figures: dict[str, Any]) -> None:
@@ -87,18 +110,65 @@ def _show_learner(figures: dict[str, Any]) -> None:
     rows = [(f"{c['batch']}", c["device"], *(f"{c[name]:,.0f}" for name in names)) for c in figures["cases"]]
     rows.append(("256, profile fast", "cpu", f"{figures['fast_profile_updates_per_s']:,.0f}", "", ""))
     print_table(("batch", "device", "updates/s", "autograd", "Stable-Baselines3"), rows)
+    if "stacked" not in figures:
+        return
+    print(f"\nagents stacked on {figures['device_name']}, profile fast:")
+    together = [
+        (f"{c['agents']}", c["device"], f"{c['agent_updates_per_s']:,.0f}", f"{c['one_seed_updates_per_s']:,.0f}",
+         f"{c['ratio']:.2f}", f"{c['collect_ms']:.1f} ms", f"{c['collect_host_ms']:.1f} ms")
+        for c in figures["stacked"]
+    ]  # fmt: skip
+    heads = ("agents", "device", "updates/s of all", "one seed alone", "ratio", "one step of all lanes", "on the host")
+    print_table(heads, together)
 
 
-def _page(progress: Any) -> dict[str, Any]:
+def _curriculum(args: Args) -> int:
+    from workbench.bench_curriculum import bench_curriculum, write_result
+    from workbench.runs import RunStore
+    from workbench.stack_options import StackOptions
+    from workbench.terminal import print_json
+
+    if args.what != "learner" or not 1 <= args.seeds <= LIMIT:
+        raise UsageError(f"--curriculum is for 'bench learner', with --seeds from 1 to {LIMIT}")
+    options = StackOptions(args.device or "cpu", stacked=True, simulator=args.simulator)
+    result, interrupted = bench_curriculum(RunStore(args.runs), args.seeds, args.profile, options)
+    path = args.out or Path(f"bench-curriculum-{options.device.replace(':', '')}.json")
+    write_result(result, path)
+    if args.json:
+        print_json(result)
+    else:
+        _show_curriculum(result, path)
+    failed = any(one["state"] == "failed" for one in result["runs"])
+    return 130 if interrupted else int(failed)
+
+
+def _show_curriculum(result: dict[str, Any], path: Path) -> None:
+    from workbench.terminal import duration, percent, print_table
+
+    rows = [
+        (f"{one['seed']}", one["state"], percent(one["success_rate"]), duration(one["wall_s"]), f"{one['updates']:,}")
+        for one in result["runs"]
+    ]
+    print_table(("seed", "state", "success", "time", "updates"), rows)
+    print(
+        f"\n{result['seeds']} seeds together on {result['device']}: {duration(result['wall_s'])}, "
+        f"{percent(result['success_rate_mean'])} in the mean; {path}"
+    )
+
+
+def _page(openings: int, progress: Any) -> dict[str, Any]:
+    from workbench.bench_openings import bench_openings
     from workbench.bench_page import bench_page
 
+    if openings > 0:
+        return dataclasses.asdict(bench_openings(openings, progress=progress))
     return dataclasses.asdict(bench_page(progress=progress))
 
 
 def _show_page(figures: dict[str, Any]) -> None:
     from workbench.terminal import print_table
 
-    units = {"_s": "s", "_hz": "a second"}
+    units = {"_s": "s", "_hz": "a second", "_mib": "MiB"}
     rows = []
     for name, value in figures.items():
         unit = next((words for end, words in units.items() if name.endswith(end)), "")

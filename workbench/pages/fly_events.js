@@ -6,6 +6,9 @@ export function render({model}) {
   root.className = "events"
   root.setAttribute("role", "group")
   root.setAttribute("aria-label", "Events of both flights")
+  const list = document.createElement("div")  // has columns where there is room; what scrolls must have none
+  list.className = "list"
+  root.append(list)
   let rows = [], now = 0, shown
 
   // scrollIntoView would scroll the page as well.
@@ -29,7 +32,7 @@ export function render({model}) {
   }
 
   function draw() {
-    root.replaceChildren()
+    list.replaceChildren()
     rows = model.events.map((event) => {
       const node = document.createElement("button")
       node.type = "button"
@@ -45,7 +48,7 @@ export function render({model}) {
       node.querySelector(".dot").style.background = event.colour
       node.classList.add(event.kind)
       node.onclick = () => window.dispatchEvent(new CustomEvent("flight-clock", {detail: event.time}))
-      root.append(node)
+      list.append(node)
       return {time: event.time, node}
     })
     highlight()
