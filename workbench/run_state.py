@@ -72,6 +72,14 @@ class RunState:
         return self.state == "running" or (self.state == "queued" and bool(self.engine))
 
     @property
+    def where(self) -> str:
+        """On which node of a cluster the run works or worked, and how often it was begun again; empty for one here."""
+        if not self.engine:
+            return ""
+        again = f", begun again {self.retries} time{'s' * (self.retries != 1)}" if self.retries else ""
+        return f"{self.node or 'waits for a node'}{again}"
+
+    @property
     def resumable(self) -> bool:
         """Whether the run ended before its end and can go on."""
         return self.state in RESUMABLE

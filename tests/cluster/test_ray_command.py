@@ -31,13 +31,13 @@ def command(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
     (tmp_path / "tmp").mkdir()
 
     def start(*line: str) -> subprocess.Popen[str]:
-        started.append(
-            subprocess.Popen(
-                [sys.executable, str(HELD), *line], cwd=tmp_path, start_new_session=True, text=True,
-                env={**os.environ, "TMPDIR": str(tmp_path / "tmp"), "PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            )
+        places = {"TMPDIR": str(tmp_path / "tmp"), "PYTHONPATH": str(ROOT)}
+        process = subprocess.Popen(
+            [sys.executable, str(HELD), *line], cwd=tmp_path, env={**os.environ, **places}, start_new_session=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
-        return started[-1]
+        started.append(process)
+        return process
 
     yield start
     for process in started:

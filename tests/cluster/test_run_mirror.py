@@ -96,8 +96,8 @@ def train(folder: Path, mirror: RunMirror, last: int) -> None:
     found = recorder.resume()
     for number in range(1 if found is None else int(found.values["epoch"]) + 1, last + 1):
         epoch(recorder, number)
-        mirror.send()
-    mirror.send()
+        mirror.send(last=True)
+    mirror.send(last=True)
 
 
 def test_after_any_message_the_head_can_go_on_and_ends_with_the_same_files(

@@ -130,7 +130,7 @@ def _work(head: Head, folder: Path, order: Order, mirror: RunMirror | None) -> i
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(LOOK_S)
         if mirror is not None:
-            mirror.send()
+            mirror.send(last=True)
         return process.returncode
     finally:
         process.kill()

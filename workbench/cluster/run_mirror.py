@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, Protocol
@@ -17,6 +18,9 @@ from workbench.run_files import RunFileError, Signature, signature
 
 PIECE_BYTES: Final = 4 * 2**20
 """Most that travels in one message."""
+CHECKPOINT_SHARE: Final = 0.2
+"""Largest share of the time that goes into sending checkpoints: where the way is slow or full, fewer are sent, and no
+experience that the ring has overwritten by then."""
 LINES: Final = ("metrics.jsonl", "events.jsonl", "log.txt")
 """Files that grow."""
 WHOLE: Final = ("policy.safetensors", "policy.json")
@@ -41,6 +45,8 @@ class RunMirror:
         self._lines: dict[str, tuple[int, int]] = {}
         """Inode and length of each growing file when it was sent last."""
         self._kept: list[str] | None = None
+        self._due_s = 0.0
+        """When checkpoints are sent again, by the monotonic clock [s]."""
 
     def fetch(self) -> None:
         """Fill the empty folder with what the head has."""
@@ -55,15 +61,19 @@ class RunMirror:
                     file.write(piece)
             self._sent[name], self._lines[name] = signature(path), (signature(path)[2], size)
 
-    def send(self) -> None:
-        """Send what has changed since the last time."""
+    def send(self, last: bool = False) -> None:
+        """Send what has changed since the last time; the last time, all of it."""
         state = _read(self._folder / "state.json")
-        manifests = {f"checkpoints/{path.name}": _read(path) for path in self._checkpoint_files("manifest-*")}
+        due = last or time.monotonic() >= self._due_s
+        manifests = {name: data for name in self._manifests() if (data := _read(self._folder / name))} if due else {}
         for name in LINES:
             self._send_lines(name)
         for name in (*sorted(f"policies/{path.name}" for path in (self._folder / "policies").glob("[!.]*")), *WHOLE):
             self._send_changed(name)
-        self._send_checkpoints({name: data for name, data in manifests.items() if data})
+        if due:
+            began_s = time.monotonic()
+            self._send_checkpoints(manifests)
+            self._due_s = time.monotonic() + (time.monotonic() - began_s) / CHECKPOINT_SHARE
         self._send_state(state)
 
     def _send_checkpoints(self, manifests: dict[str, bytes]) -> None:
@@ -121,9 +131,9 @@ class RunMirror:
         for offset, piece in _pieces(data, 0) if data else [(0, b"")]:
             self._head.call("put", name, offset, piece, offset + len(piece) == len(data))
 
-    def _checkpoint_files(self, pattern: str) -> Iterator[Path]:
-        paths = (self._folder / "checkpoints").glob(pattern)
-        yield from (path for path in paths if MANIFEST_NAME.fullmatch(path.name))
+    def _manifests(self) -> list[str]:
+        names = [path.name for path in (self._folder / "checkpoints").glob("manifest-*")]
+        return [f"checkpoints/{name}" for name in names if MANIFEST_NAME.fullmatch(name)]
 
 
 def _read(path: Path) -> bytes:

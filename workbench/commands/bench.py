@@ -17,10 +17,11 @@ from workbench.seeds import LIMIT
 
 @dataclass(frozen=True)
 class Args:
-    """Measure how fast this machine is: the simulator, the learner or the pages; a minute each, openings more."""
+    """Measure how fast this machine is: the simulator, the learner, the pages, growth; a minute each, openings more."""
 
-    what: Annotated[tyro.conf.Positional[Literal["sim", "learner", "page"]], tyro.conf.arg(metavar="WHAT")]
-    """what to measure: sim (env-steps a second), learner (gradient steps a second), page (seconds to be there)."""
+    what: Annotated[tyro.conf.Positional[Literal["sim", "learner", "page", "growth"]], tyro.conf.arg(metavar="WHAT")]
+    """what to measure: sim (env-steps a second), learner (gradient steps a second), page (seconds to be there), growth
+    (seeds, lanes, missiles, runs, and what a cluster would do; in a checkout it renews docs/growth.md)."""
     device: str = ""
     """cpu or a graphics card such as cuda:0. sim: empty for all there are. learner: adds agents stacked there."""
     curriculum: bool = False
@@ -50,6 +51,7 @@ def run(args: Args) -> int:
         "sim": (partial(_sim, args.device), _show_sim),
         "learner": (partial(_learner, args.device), _show_learner),
         "page": (partial(_page, args.openings), _show_page),
+        "growth": (_growth, _show_growth),
     }[args.what]
     load = os.getloadavg()[0]
     with bar(f"measuring: {args.what}") as progress:
@@ -175,3 +177,24 @@ def _show_page(figures: dict[str, Any]) -> None:
         rows.append((name.rpartition("_")[0].replace("_", " ") if unit else name.replace("_", " "),
                      "–" if value is None else f"{value:.4g} {unit}"))  # fmt: skip
     print_table(("what", "value"), rows)
+
+
+def _growth(progress: Any) -> dict[str, Any]:
+    from workbench.growth import measure
+    from workbench.growth_page import markdown, refresh
+    from workbench.launcher import cpu_count
+    from workbench.reproduce.places import ROOT
+
+    load = os.getloadavg()[0]
+    figures = measure(progress)
+    text = markdown(figures, cpu_count(), load)
+    written = refresh(ROOT / "docs/growth.md", text)
+    return {**dataclasses.asdict(figures), "markdown": text, "document": "docs/growth.md" if written else ""}
+
+
+def _show_growth(figures: dict[str, Any]) -> None:
+    from workbench.terminal import print_line
+
+    print(figures["markdown"])
+    if figures["document"]:
+        print_line(f"\nwritten to {figures['document']}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import html
 from collections.abc import Callable
 from pathlib import Path
@@ -153,6 +154,7 @@ def facts(record: RunRecord, run: Run) -> str:
             ("Success", percent(record.success)),
             ("Mean return", "–" if record.mean_return is None else f"{record.mean_return:.1f}"),
             ("Worked", duration(record.wall_s)),
+            *([("On", where)] if (where := _where(run)) else []),
             ("Started", record.when[:19].replace("T", " ")),
             ("Scenario", record.scenario),
             ("Guide", record.guide or "the next easier task's"),
@@ -162,6 +164,12 @@ def facts(record: RunRecord, run: Run) -> str:
     if found:
         parts.append(_listed("<h3>Policies, checkpoints, evaluations</h3>", found))
     return "".join(parts)
+
+
+def _where(run: Run) -> str:
+    with contextlib.suppress(SubMasError):  # it may have changed under our eyes
+        return run.state.where
+    return ""
 
 
 def _listed(heading: str, pairs: list[tuple[str, str]]) -> str:
