@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -73,9 +74,14 @@ class RemoteHead:
 
     def __init__(self, actor: Any, order: Order) -> None:
         self._actor, self._order = actor, order
+        # While a task's main thread waits for an answer, Ray gives its core to another task; the training needs it.
+        self._beside = ThreadPoolExecutor(max_workers=1)
 
     def call(self, method: str, *values: Any) -> Any:
         """See `run_mirror.Head`; waits for the answer."""
+        return self._beside.submit(self._ask, method, values).result()
+
+    def _ask(self, method: str, values: tuple[Any, ...]) -> Any:
         import ray
 
         return ray.get(getattr(self._actor, method).remote(self._order.run, self._order.attempt, *values))
