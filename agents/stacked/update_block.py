@@ -47,6 +47,11 @@ class UpdateBlock:
             self.stack.learner.updates += self.hyper.updates_per_lane_step
 
     @property
+    def recorded(self) -> bool:
+        """Whether it runs as a CUDA graph by now."""
+        return self._graph is not None
+
+    @property
     def capturable(self) -> bool:
         """Whether the block is the same sequence of kernels each time, on a device that can record it."""
         learner, hyper = self.stack.learner, self.hyper

@@ -47,6 +47,8 @@ def run(args: Args) -> int:
     from workbench.progress import bar
     from workbench.terminal import print_json, print_line
 
+    if args.curriculum:
+        return _curriculum(args)
     measure, show = {
         "sim": (partial(_sim, args.device), _show_sim),
         "learner": (partial(_learner, args.device), _show_learner),
@@ -106,7 +108,7 @@ def _learner(device: str, progress: Any) -> dict[str, Any]:
 
 
 def _show_learner(figures: dict[str, Any]) -> None:
-    from workbench.terminal import print_table
+    from workbench.terminal import print_line, print_table
 
     names = ("updates_per_s", "reference_updates_per_s", "sb3_updates_per_s")
     rows = [(f"{c['batch']}", c["device"], *(f"{c[name]:,.0f}" for name in names)) for c in figures["cases"]]
@@ -114,7 +116,8 @@ def _show_learner(figures: dict[str, Any]) -> None:
     print_table(("batch", "device", "updates/s", "autograd", "Stable-Baselines3"), rows)
     if "stacked" not in figures:
         return
-    print(f"\nagents stacked on {figures['device_name']}, profile fast:")
+    print()
+    print_line(f"agents stacked on {figures['device_name']}, profile fast:")
     together = [
         (f"{c['agents']}", c["device"], f"{c['agent_updates_per_s']:,.0f}", f"{c['one_seed_updates_per_s']:,.0f}",
          f"{c['ratio']:.2f}", f"{c['collect_ms']:.1f} ms", f"{c['collect_host_ms']:.1f} ms")
@@ -145,15 +148,16 @@ def _curriculum(args: Args) -> int:
 
 
 def _show_curriculum(result: dict[str, Any], path: Path) -> None:
-    from workbench.terminal import duration, percent, print_table
+    from workbench.terminal import duration, percent, print_line, print_table
 
     rows = [
         (f"{one['seed']}", one["state"], percent(one["success_rate"]), duration(one["wall_s"]), f"{one['updates']:,}")
         for one in result["runs"]
     ]
     print_table(("seed", "state", "success", "time", "updates"), rows)
-    print(
-        f"\n{result['seeds']} seeds together on {result['device']}: {duration(result['wall_s'])}, "
+    print()
+    print_line(
+        f"{result['seeds']} seeds together on {result['device']}: {duration(result['wall_s'])}, "
         f"{percent(result['success_rate_mean'])} in the mean; {path}"
     )
 
