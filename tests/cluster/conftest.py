@@ -61,7 +61,7 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RunStore:
 def engine(cluster: Any, store: RunStore) -> OpenEngine:
     """Opens an engine on the cluster."""
 
-    def opened(**options: Any) -> AbstractContextManager[Engine]:
+    def opened(store: RunStore = store, **options: Any) -> AbstractContextManager[Engine]:
         return open_engine(EngineOptions(engine="ray", ray_address=cluster.address, **options), store)
 
     return partial(opened)
