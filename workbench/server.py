@@ -100,7 +100,8 @@ def claim(runs: Path) -> Iterator[int]:
     try:
         yield lock
     finally:
-        os.ftruncate(lock, 0)
+        with contextlib.suppress(OSError):
+            os.ftruncate(lock, 0)
         os.close(lock)
 
 
@@ -187,8 +188,9 @@ def _port_error(port: int, error: OSError) -> SubMasError:
 
 def _announce(address: str, token: str, lock: int, browser: bool) -> None:
     """The token is printed, and nowhere else: not in the lock file, not in a log."""
-    os.ftruncate(lock, 0)
-    os.pwrite(lock, f"{address} (process {os.getpid()})\n".encode(), 0)
+    with contextlib.suppress(OSError):  # a full disk: the pages open all the same, the lock holds without words
+        os.ftruncate(lock, 0)
+        os.pwrite(lock, f"{address} (process {os.getpid()})\n".encode(), 0)
     link = f"{address}?token={token}"
     print(f"SubMas workbench: {link}\nCtrl-C stops it; trainings go on.", flush=True)
     if browser and _has_screen():
