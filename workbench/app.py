@@ -15,6 +15,7 @@ from panel.io.resources import LOCAL_DIST
 from layouts import theme
 from sim.errors import SubMasError
 from workbench.context import AppContext
+from workbench.history_steps import history_steps
 from workbench.tour import tour
 
 PAGES = {
@@ -58,7 +59,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         title=TITLE,
         meta_title=f"{PAGES[name]} · {TITLE}",
         site_url=f"/{next(iter(PAGES))}",
-        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES)],
+        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES), *history_steps(name)],
         dark_theme=not light,
         theme_config={"dark": _look("dark"), "light": _look("light")},
         sx={"& > .header": {"backgroundColor": _css(theme.DARK.field), "backgroundImage": "none"}},
