@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from bokeh.models import (
@@ -12,8 +13,11 @@ from bokeh.models import (
     CustomAction,
     CustomJS,
     GlyphRenderer,
+    InlineStyleSheet,
     LabelSet,
+    Line,
     Range1d,
+    Scatter,
 )
 from bokeh.plotting import figure
 
@@ -28,6 +32,10 @@ MAX_POINTS = 2000
 """Epochs of a run that are drawn; of a longer one every second, every fourth …"""
 RAW = "_raw"
 """End of the name of a column as it was measured, before it was smoothed."""
+_TOOLBAR_CSS = """
+:host { background: color-mix(in srgb, var(--panel-background-color, #888) 82%, transparent) !important;
+  border-radius: 6px; width: max-content !important; margin-left: auto }
+"""
 _DASHES = ("solid", "dashed", "dotted")
 
 
@@ -169,15 +177,13 @@ class LearningCurves:
             fig, used = self.figures[panel.key], []
             for number, curve in enumerate(panel.curves):
                 source = (slot.held_out if curve.held_out else slot.epochs).source
-                faint = fig.line("x", curve.name + RAW, source=source, line_width=1.1, line_alpha=0.3, visible=False)
-                line = fig.line("x", curve.name, source=source, line_width=2.0, line_join="round", name=curve.name)
-                drawn = [line]
+                raw = Line(x="x", y=curve.name + RAW, line_width=1.1, line_alpha=0.3)
+                line = Line(x="x", y=curve.name, line_width=2.0, line_join="round")
+                slot.raw.append((number, curve, _add(fig, source, raw, visible=False)))
+                slot.lines.append((number, curve, _add(fig, source, line, name=curve.name)))
                 if curve.held_out:
-                    drawn.append(fig.scatter("x", curve.name, source=source, size=4.5, line_alpha=0.0))
-                slot.raw.append((number, curve, faint))
-                slot.lines += [(number, curve, each) for each in drawn]
-                for each in (faint, *drawn):
-                    each.nonselection_glyph = None
+                    dots = Scatter(x="x", y=curve.name, size=4.5, line_alpha=0.0)
+                    slot.lines.append((number, curve, _add(fig, source, dots)))
                 used += [source] if source not in used else []
             callback = self._csv[panel.key]
             callback.args = {**callback.args, "sources": [*callback.args["sources"], *used]}
@@ -206,7 +212,10 @@ class LearningCurves:
             y_range=self._y_ranges[panel.key].range, tags=[HOVER_TAG],
         )  # fmt: skip
         plain(fig)
+        fig.toolbar_inner = True  # above, it would take a line from a low figure
+        fig.toolbar.stylesheets = [InlineStyleSheet(css=_TOOLBAR_CSS)]
         fig.background_fill_alpha = fig.border_fill_alpha = 0.0  # the panel's colour shows through
+        fig.xaxis[0].axis_label_standoff = 1
         fig.xaxis[0].ticker = BasicTicker(desired_num_ticks=5)
         fig.yaxis[0].ticker = BasicTicker(desired_num_ticks=4)
         fig.axis.axis_label_text_font_size = fig.axis.major_label_text_font_size = "11px"
@@ -220,13 +229,18 @@ class LearningCurves:
                 source=self.stages,
                 angle=np.pi / 2,
                 y_offset=0,
-                x_offset=11,
-                text_font_size="10px",
+                x_offset=10,
+                text_font_size="9.5px",
                 text_color=NEUTRAL,
             )
         )
         add_csv(fig, f"learning-{panel.key}")
         return fig
+
+
+def _add(fig: figure, source: ColumnDataSource, glyph: Line | Scatter, **more: Any) -> GlyphRenderer:
+    """Draw with this glyph; made by hand, as the figure's own methods make four glyphs of each."""
+    return fig.add_glyph(source, glyph, nonselection_glyph=None, muted_glyph=None, **more)
 
 
 def _csv_callback(fig: figure) -> CustomJS:

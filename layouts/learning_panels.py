@@ -60,7 +60,7 @@ PANELS = (
         ),
     ),
     LearningPanel(
-        "weights", "Weights of the guide", "How much the guide's knowledge counts; it falls as the policy succeeds.",
+        "weights", "Guide weights", "How much the guide's knowledge counts; it falls as the policy succeeds.",
         (
             LearningCurve("alpha", "α", POLICY_A, "weight of policy distillation (Eq. 16, 20)"),
             LearningCurve("epsilon", "ε", POLICY_B, "probability of policy reuse (Eq. 19, 21)"),

@@ -1,54 +1,102 @@
-"""Learning curves follow metrics rows, in place."""
+"""Learning curves grow in place: only what is new is sent, a long run stays light, zooming by hand is left alone."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from layouts.learning_curves import held_out_columns, learning_curves, stage_columns, training_columns
+from layouts.chart import Columns
+from layouts.learning_curves import MAX_POINTS, RAW, LearningCurves, RunLearning
+from layouts.learning_panels import PANELS
+
+CURVES = [curve for panel in PANELS for curve in panel.curves]
+NO_STAGES: Columns = {"x": np.empty(0), "task": np.empty(0, object)}
 
 
-def _rows(count: int) -> list[dict[str, Any]]:
-    return [
-        {
-            "stage": i // 10,
-            "task": f"source-{3 - i // 10}",
-            "alpha": 1.0 - i / count,
-            "epsilon": 0.8,
-            "beta": i / count,
-            "train_success_rate": 0.5,
-            "train_return_mean": None,
-            "success_rate": 0.9 if i % 5 == 0 else None,
-            "return_mean": 400.0 if i % 5 == 0 else None,
-        }
-        for i in range(count)
-    ]
+def _columns(count: int, held_out: bool) -> Columns:
+    columns: Columns = {"x": np.arange(1.0, count + 1.0), "run": np.full(count, "a", object)}
+    for curve in CURVES:
+        if curve.held_out == held_out:
+            columns[curve.name] = columns[curve.name + RAW] = np.linspace(0.0, 400.0, count)
+    return columns
 
 
-def test_epochs_count_through_the_stages() -> None:
-    rows = _rows(25)
-    assert list(training_columns(rows)["epoch"]) == list(range(1, 26))
-    stages = stage_columns(rows)
-    assert list(stages["epoch"]) == [0.5, 10.5, 20.5]
-    assert list(stages["task"]) == ["source-3", "source-2", "source-1"]
+def _run(count: int, key: str = "a") -> RunLearning:
+    return RunLearning((key,), _columns(count, held_out=False), _columns(count // 2, held_out=True))
 
 
-def test_only_evaluated_epochs_are_dots() -> None:
-    assert list(held_out_columns(_rows(12))["epoch"]) == [1.0, 6.0, 11.0]
+def _shown(curves: LearningCurves, place: int = 0) -> Columns:
+    return curves._slots[place].epochs.source.data
 
 
-def test_a_missing_number_is_a_gap() -> None:
-    assert np.isnan(training_columns(_rows(3))["train_return_mean"]).all()
+def test_a_run_that_goes_on_is_only_added_to() -> None:
+    curves = LearningCurves()
+    curves.show([_run(5)], NO_STAGES, "epoch", smooth=False)
+    before = _shown(curves)
+    curves.show([_run(9)], NO_STAGES, "epoch", smooth=False)
+    assert _shown(curves) is before
+    assert list(before["x"]) == list(range(1, 10))
+    curves.show([_run(9, key="b")], NO_STAGES, "epoch", smooth=False)
+    assert _shown(curves) is not before
 
 
-def test_update_changes_the_sources_in_place() -> None:
-    curves = learning_curves()
-    source = curves.training
-    curves.update(_rows(12))
-    assert curves.training is source
-    assert len(source.data["epoch"]) == 12
+def test_a_run_that_was_cut_back_is_drawn_anew() -> None:
+    curves = LearningCurves()
+    for count in (9, 4):
+        curves.show([_run(count)], NO_STAGES, "epoch", smooth=False)
+    assert list(_shown(curves)["x"]) == [1, 2, 3, 4]
 
 
-def test_a_long_run_stays_light() -> None:
-    assert len(training_columns(_rows(9000))["epoch"]) <= 2500
+def test_a_long_run_stays_light_and_even() -> None:
+    curves = LearningCurves()
+    for count in (MAX_POINTS - 1, 3 * MAX_POINTS - 1, 3 * MAX_POINTS, 3 * MAX_POINTS + 7):
+        curves.show([_run(count)], NO_STAGES, "epoch", smooth=False)
+    shown = np.asarray(_shown(curves)["x"])
+    assert len(shown) <= MAX_POINTS
+    assert set(np.diff(shown)) == {4.0}
+
+
+def test_one_run_has_inks_by_curve_and_several_by_run() -> None:
+    curves = LearningCurves()
+    curves.show([_run(5)], NO_STAGES, "epoch", smooth=False)
+    inks = {renderer.glyph.line_color for _, _, renderer in curves._slots[0].lines}
+    assert {curve.ink for curve in CURVES} == inks
+    curves.show([_run(5), _run(5, key="b")], NO_STAGES, "epoch", smooth=False)
+    each = [{renderer.glyph.line_color for _, _, renderer in slot.lines} for slot in curves._slots]
+    assert [len(inks) for inks in each] == [1, 1]
+    assert each[0] != each[1]
+    curves.show([_run(5)], NO_STAGES, "epoch", smooth=False)
+    assert not len(_shown(curves, 1)["x"])
+
+
+def test_axes_follow_until_somebody_zooms_and_again_after_a_reset() -> None:
+    curves = LearningCurves()
+    x = curves.figures["success"].x_range
+    assert all(fig.x_range is x for fig in curves.figures.values())
+    curves.show([_run(10)], NO_STAGES, "epoch", smooth=False)
+    assert x.end == 10.2
+    x.update(start=2.0, end=4.0)
+    curves.show([_run(20)], NO_STAGES, "epoch", smooth=False)
+    assert (x.start, x.end) == (2.0, 4.0)
+    x.update(start=x.reset_start, end=x.reset_end)
+    curves.show([_run(30)], NO_STAGES, "epoch", smooth=False)
+    assert x.end == 30.6
+
+
+def test_what_is_hidden_stays_hidden_and_leaves_the_axis() -> None:
+    curves = LearningCurves()
+    run = _run(10)
+    run.epochs["train_return_mean"] = np.full(10, 9000.0)
+    curves.show([run], NO_STAGES, "epoch", smooth=True)
+    assert curves.figures["return"].y_range.end > 9000.0
+    curves.hide(["train_return_mean"])
+    curves.show([run], NO_STAGES, "epoch", smooth=True)
+    assert curves.figures["return"].y_range.end < 500.0
+    hidden = [r.visible for _, curve, r in curves._slots[0].lines if curve.name == "train_return_mean"]
+    assert hidden == [False]
+
+
+def test_a_download_has_the_numbers_of_every_run() -> None:
+    curves = LearningCurves()
+    curves.show([_run(5), _run(5, key="b")], NO_STAGES, "epoch", smooth=False)
+    assert len(curves._csv["success"].args["sources"]) == 4
+    assert len(curves._csv["q"].args["sources"]) == 2

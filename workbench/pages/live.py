@@ -64,12 +64,15 @@ class LivePage:
         self._places = LiveLayout(self)
         self.layout = self._places.layout
         self._take_settings()
+        self._opened, self._standing = self.settings, False
+        # What the index has at hand is shown with the first paint.
+        if context.index.is_open:
+            self._show(self._desk.look(self.settings, follow=False))
 
     def _make_parts(self) -> None:
         wide: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": 0}
-        self.head, self.chain, self.list, self.view = (
-            part(**wide) for part in (LiveHead, LiveChain, LiveList, LiveView)
-        )
+        self.head, self.chain = LiveHead(**wide), LiveChain(**wide)
+        self.list, self.view = LiveList(**wide), LiveView(**wide)
         self.curves = LiveCurves(self._hide)
         self.events = pn.pane.HTML("", stylesheets=[EVENTS_CSS], **wide)
         self.empty = pn.pane.HTML("", **wide)
@@ -136,8 +139,11 @@ class LivePage:
 
     async def live(self) -> None:
         """Show what there is, and follow it until the page is left."""
+        self._standing = True
         await self.refresh()
         self.follower.start()
+        if self.settings != self._opened:
+            await self._write_address()
 
     async def refresh(self) -> None:
         """Show what has changed since the last look."""
@@ -149,9 +155,10 @@ class LivePage:
             pn.state.execute(partial(self._show, found), schedule=True)
 
     def _show(self, found: LiveLook) -> None:
-        if found.settings != self.settings and not self.settings.run:
+        if self.settings != found.settings:
             self.settings = found.settings
-            pn.state.execute(self._write_address)
+            if self._standing:
+                pn.state.execute(self._write_address)
         if found.sides is not None:
             self.list.lines, self.head.watched = found.sides.lines, found.sides.watched
         shown = bool(found.settings.run) and not found.problem

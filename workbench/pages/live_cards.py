@@ -36,6 +36,7 @@ EVENTS_CSS = """
 :host { color: var(--panel-on-background-color); font: 13px/1.4 var(--bokeh-base-font, sans-serif) }
 h2 { font-size: 13px; font-weight: 650; margin: 0 0 5px }
 .events { max-height: 330px; overflow-y: auto; scrollbar-width: thin }
+@media (max-width: 1180px) { .events { max-height: 168px } }
 .events:focus-visible { outline: 3px solid #2f86ff }
 .event { display: grid; grid-template-columns: 44px 8px 1fr; gap: 8px; align-items: baseline; padding: 2px 0 }
 .event time { text-align: right; opacity: .8; font-variant-numeric: tabular-nums }

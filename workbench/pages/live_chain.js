@@ -31,6 +31,8 @@ function make(list) {
   parts.epochs = element("span", "", times)
   parts.time = element("span", "time", times)
   parts.rule = element("div", "small", item)
+  parts.rule.title = "When the stage is passed: held-out evaluations of one policy, each on fresh initial states, or all its epochs"
+  times.title = "A stage takes at most this long; it ends as soon as it is passed"
   parts.gauge = element("div", "gauge", item)
   const scale = element("span", "scale", parts.gauge)
   parts.scale = scale, parts.value = element("i", "", scale), parts.threshold = element("b", "", scale)

@@ -116,14 +116,16 @@ def _progress(learned: Learned, number: int, kind: str, begun: Mapping[str, Any]
             return {"share": 0.0, "epochs": "first epoch", "time": ""}
         epoch_s = _epoch_s(learned.stages)
         most = f"at most {duration(epochs * epoch_s)}" if epoch_s and learned.state.active else ""
-        return {"share": 0.0, "epochs": f"at most {epochs} epochs", "time": most}
+        return {"share": 0.0, "epochs": f"≤ {epochs} epochs", "time": most}
     done, worked = begun["epochs"], begun["wall_s"]
     count = f"{done} epoch{'s' * (done != 1)}"
     if kind == "done":
         return {"share": 1.0, "epochs": count, "time": duration(worked)}
-    left = f", at most {duration(worked / max(done, 1) * max(epochs - done, 0))} left" if kind == "now" else ""
-    return {"share": min(done / epochs, 1.0), "epochs": f"epoch {done} of at most {epochs}",
-            "time": f"{duration(worked)}{left}"}  # fmt: skip
+    left = (
+        f"at most {duration(worked / max(done, 1) * max(epochs - done, 0))} left" if kind == "now" else duration(worked)
+    )
+    return {"share": min(done / epochs, 1.0), "epochs": f"epoch {done} of {epochs}",
+            "time": left}  # fmt: skip
 
 
 def _epoch_s(stages: Sequence[Mapping[str, Any]]) -> float:

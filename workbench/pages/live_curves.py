@@ -17,10 +17,10 @@ from workbench.pages.live_settings import LiveSettings
 from workbench.pages.live_view import LiveKey, legend_curves
 from workbench.pages.runs_metrics import X_LABELS
 
-HEIGHT = 178
+HEIGHT = 172
 GRID = {
     "display": "grid",
-    "grid-template-columns": "repeat(auto-fill, minmax(min(330px, 100%), 1fr))",
+    "grid-template-columns": "repeat(auto-fill, minmax(min(max(330px, 24%), 100%), 1fr))",
     "gap": "12px 14px",
 }
 

@@ -70,9 +70,10 @@ class LiveDesk:
         self._listed: object = None
         self._drawn: LiveSettings | None = None
 
-    def look(self, settings: LiveSettings) -> LiveLook:
-        """What this view shows now."""
-        self._index.look()
+    def look(self, settings: LiveSettings, follow: bool = True) -> LiveLook:
+        """What this view shows now; without `follow` from the index as it stands, which is quick."""
+        if follow:
+            self._index.look()
         if not settings.run:
             settings = settings.opening(self._newest(ACTIVE))
         sides = self._sides(settings)

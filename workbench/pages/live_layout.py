@@ -1,4 +1,4 @@
-"""Where the parts of the Live page stand: list and events beside the run; where it is narrow, above and below."""
+"""Where the parts of the Live page stand: list and events beside the run, or above it where it is narrow."""
 
 from __future__ import annotations
 
@@ -13,18 +13,24 @@ if TYPE_CHECKING:
     from workbench.pages.live import LivePage
 
 NARROW_PX = 1180
+NO_BUTTON = ".scroll-button { display: none }"
+"""Panel's button to scroll takes a place, and a gap, in every column, though these never scroll."""
 OUTER_CSS = f"""
 :host {{ display: flex !important; flex-direction: row !important; align-items: flex-start; gap: 12px }}
 @media (max-width: {NARROW_PX}px) {{ :host {{ flex-direction: column !important; align-items: stretch }} }}
 """
 SIDE_CSS = f"""
 :host {{ flex: 0 0 264px !important; width: 264px !important; min-width: 0 }}
-@media (max-width: {NARROW_PX}px) {{ :host {{ display: contents !important }} }}
+@media (max-width: {NARROW_PX}px) {{
+  :host {{ flex: 0 0 auto !important; width: 100% !important; flex-direction: row !important }}
+}}
 """
 MAIN_CSS = f"""
 :host {{ flex: 1 1 0 !important; min-width: 0 }}
-@media (max-width: {NARROW_PX}px) {{ :host {{ order: 1 }} }}
+@media (max-width: {NARROW_PX}px) {{ :host {{ flex: 0 0 auto !important }} }}
 """
+BESIDE_CSS = f"@media (max-width: {NARROW_PX}px) {{ :host {{ flex: 1 1 0 !important; width: 0 !important }} }}"
+"""List and events share a row where the page is narrow."""
 EMPTY_CSS = """
 :host { font: 15px/1.5 var(--bokeh-base-font, sans-serif); color: var(--panel-on-background-color) }
 h1 { font-size: 21px; margin: 6px 0 4px }
@@ -44,15 +50,15 @@ class LiveLayout:
 
     def __init__(self, page: LivePage) -> None:
         page.empty.stylesheets = [EMPTY_CSS]
-        self._list, self._alert = panel(page.list), page.alert
+        self._list, self._alert = panel(page.list, stylesheets=[BESIDE_CSS]), page.alert
         self._empty = panel(page.empty)
         self._run = [panel(page.head, page.chain, css_classes=["tour-live"]), panel(page.view, page.curves.layout)]
-        self._events = panel(page.events, styles={"order": "2"})
+        self._events = panel(page.events, stylesheets=[BESIDE_CSS])
         gap: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": 0, "styles": {"gap": "12px"}}
-        self._side = pn.Column(self._list, stylesheets=[SIDE_CSS], **gap)
-        self._main = pn.Column(self._alert, stylesheets=[MAIN_CSS], **gap)
+        self._side = pn.Column(self._list, stylesheets=[SIDE_CSS, NO_BUTTON], **gap)
+        self._main = pn.Column(self._alert, stylesheets=[MAIN_CSS, NO_BUTTON], **gap)
         self.layout = pn.Column(
-            self._side, self._main, stylesheets=[OUTER_CSS], sizing_mode="stretch_width", margin=(12, 18)
+            self._side, self._main, stylesheets=[OUTER_CSS, NO_BUTTON], sizing_mode="stretch_width", margin=(12, 18)
         )
 
     def stand(self, shown: bool, named: bool) -> None:

@@ -35,10 +35,10 @@ def never_promotes(hyper: Hyperparameters) -> bool:
 def rule_words(hyper: Hyperparameters) -> str:
     """When a stage ends, in words."""
     if never_promotes(hyper):
-        return f"ends after all {hyper.epochs} epochs; the best policy is kept"
+        return f"all {hyper.epochs} epochs; the best policy is kept"
     needed, episodes = hyper.promotion_evaluations, hyper.evaluation_episodes
     windows = f"{needed} windows" if needed > 1 else "one window"
-    return f"promoted by {windows} of {episodes} episodes ≥ {percent_short(hyper.promotion_success)}"
+    return f"{windows} of {episodes} episodes ≥ {percent_short(hyper.promotion_success)}"
 
 
 def percent_short(share: float) -> str:
