@@ -7,7 +7,7 @@ import contextlib
 import json
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -94,16 +94,27 @@ class ComparisonQueue:
         self.cache = cache or ComparisonCache()
         self._runs, self._limit = runs, workers or cpu_count()
         self._standing: dict[Work, Standing] = {}
+        self._askers: dict[Work, set[Hashable]] = {}
         self._waiting: list[Work] = []
         self._flying: dict[Work, Worker] = {}
         self._workers: set[asyncio.Task[None]] = set()
         self._news = asyncio.Event()
 
-    def want(self, works: Iterable[Work], *, soon: bool = False) -> None:
-        """Queue what has no result and is not on its way; `soon` in front of everything that waits."""
-        new = [w for w in dict.fromkeys(works) if self.state(w) in ("", "failed") and not self.cache.has(w)]
+    def want(self, works: Iterable[Work], *, soon: bool = False, asker: Hashable = None) -> None:
+        """Queue what has no result and is not on its way; `soon` in front of everything that waits.
+
+        Args:
+            works: what `asker` waits for from now on, whoever else does.
+            soon: whether it is flown first.
+            asker: a page.
+        """
+        wanted = list(dict.fromkeys(works))
+        new = [work for work in wanted if self.state(work) in ("", "failed") and not self.cache.has(work)]
         for work in new:
             self._standing[work] = Standing("waiting")
+        for work in wanted:
+            if work in self._standing:
+                self._askers.setdefault(work, set()).add(asker)
         self._waiting[:] = [*new, *self._waiting] if soon else [*self._waiting, *new]
         self._news.set()
         for _ in range(min(len(self._waiting), self._limit - len(self._workers))):
@@ -111,11 +122,21 @@ class ComparisonQueue:
             self._workers.add(task)
             task.add_done_callback(self._workers.discard)
 
-    def drop(self, works: Iterable[Work]) -> None:
-        """Forget work that waits, and end what flies it."""
+    def leave(self, asker: Hashable) -> None:
+        """A page was closed: its work goes on, but no longer keeps others from dropping it."""
+        for askers in self._askers.values():
+            askers.discard(asker)
+
+    def drop(self, works: Iterable[Work], asker: Hashable = None) -> None:
+        """`asker` waits for this work no longer; what nobody else waits for is forgotten, and what flies it ended."""
         for work in works:
-            if self._standing.pop(work, None) is None:
-                continue
+            self._askers.get(work, set()).discard(asker)
+            if not self._askers.get(work):
+                self._forget(work)
+
+    def _forget(self, work: Work) -> None:
+        self._askers.pop(work, None)
+        if self._standing.pop(work, None) is not None:
             if work in self._waiting:
                 self._waiting.remove(work)
             if (worker := self._flying.get(work)) is not None:
@@ -132,7 +153,8 @@ class ComparisonQueue:
 
     async def close(self) -> None:
         """End all workers."""
-        self.drop(list(self._standing))
+        for work in list(self._standing):
+            self._forget(work)
         for task in list(self._workers):
             task.cancel()
         await asyncio.gather(*self._workers, return_exceptions=True)
@@ -181,6 +203,7 @@ class ComparisonQueue:
             self._finish(work, CHANGED if missing else error)
 
     def _finish(self, work: Work, error: str) -> None:
+        self._askers.pop(work, None)
         if not error:
             del self._standing[work]
             return

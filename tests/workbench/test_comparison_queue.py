@@ -79,6 +79,24 @@ def test_what_is_dropped_ends_and_leaves_no_result(store: RunStore, cache: Compa
     assert not cache.has(long) and not cache.has(waiting)
 
 
+def test_what_another_page_waits_for_is_not_dropped(store: RunStore, cache: ComparisonCache) -> None:
+    work = _work(store, episodes=10_000)
+    queue = ComparisonQueue(store.root, cache, workers=1)
+
+    async def story() -> None:
+        queue.want([work], asker="one page")
+        queue.want([work], asker="another")
+        queue.drop([work], "one page")
+        assert queue.state(work) == "waiting"
+        queue.leave("another")  # its tab was closed: the work goes on, and whoever cancels next ends it
+        assert queue.state(work) == "waiting"
+        queue.drop([work], "one page")
+        assert queue.standing(work) is None
+        await queue.close()
+
+    asyncio.run(story())
+
+
 def test_a_worker_that_dies_is_told_of_and_its_work_can_be_asked_for_again(
     store: RunStore, cache: ComparisonCache
 ) -> None:

@@ -6,6 +6,7 @@ import asyncio
 import html
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -60,7 +61,11 @@ class ComparePage:
         self._complain(" ".join(problems))
         pn.state.onload(self._refresh)
         callback = pn.state.add_periodic_callback(self._tick, TICK_MS)
-        pn.state.on_session_destroyed(lambda _session: callback.stop())
+        pn.state.on_session_destroyed(lambda _session: self._leave(callback))
+
+    def _leave(self, callback: Any) -> None:
+        callback.stop()
+        self._queue.leave(self)
 
     def _arrange(self) -> pn.viewable.Viewable:
         def row(items: list[pn.viewable.Viewable]) -> pn.FlexBox:
@@ -92,11 +97,17 @@ class ComparePage:
 
     def _cancel(self) -> None:
         self._held = True  # what is looked at closely is not flown again at once
-        self._queue.drop(self._progress.pending)
+        self._queue.drop(self._progress.pending, self)
+        self._progress.forget()  # another page may still wait for some of it
         self._tell()
 
+    def _join(self, works: list[Work]) -> None:
+        """Wait for what another page has asked for."""
+        self._queue.want(works, asker=self)
+        self._progress.add(works)
+
     def _want(self, works: list[Work], *, soon: bool = False) -> None:
-        self._queue.want(works, soon=soon)
+        self._queue.want(works, soon=soon, asker=self)
         self._progress.add(works)
         self._tell()
 
@@ -135,7 +146,8 @@ class ComparePage:
         notes = "".join(f"<div>{html.escape(note[0].upper() + note[1:])}.</div>" for note in grid.notes())
         self._notes.object = f'<div class="quiet">{notes}</div>' if notes else ""
         write_query(**settings.to_query())
-        self._progress.add([work for work in grid.unflown() if self._queue.standing(work)])
+        if not self._held:
+            self._join([work for work in grid.unflown() if self._queue.state(work) in ("waiting", "flying")])
         self._fly_unasked(close)
         self._tell()
 

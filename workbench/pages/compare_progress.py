@@ -56,6 +56,10 @@ class CompareProgress:
         self._told.difference_update(new)
         self._began_s, self._share_then = time.monotonic(), self._share()
 
+    def forget(self) -> None:
+        """Watch nothing any more."""
+        self._batch.clear()
+
     def ended(self) -> list[Work]:
         """Work of the batch that has ended since the last call, well or badly."""
         over = [work for work in self._batch if self._queue.state(work) in ("", "failed") and work not in self._told]
