@@ -116,7 +116,7 @@ def test_a_reload_in_mid_training_loses_nothing(person: Page, workbench: Served,
     person.goto(f"{workbench.address}/live")
     expect(person.get_by_text("running", exact=True)).to_be_visible()
     person.wait_for_url(f"**run={learning.run.id}*")
-    expect(_chain(person).nth(1)).to_have_attribute("aria-current", "")
+    expect(_chain(person).nth(1)).to_have_attribute("aria-current", "step")
     expect(_chain(person).nth(1)).to_contain_text("now 50 %, 0 of 3 passed")
     person.get_by_role("radio", name="wall time").check()
     person.wait_for_url("**x=time**")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from layouts.chart import Columns
@@ -24,7 +26,7 @@ def _run(count: int, key: str = "a") -> RunLearning:
     return RunLearning((key,), _columns(count, held_out=False), _columns(count // 2, held_out=True))
 
 
-def _shown(curves: LearningCurves, place: int = 0) -> Columns:
+def _shown(curves: LearningCurves, place: int = 0) -> Any:
     return curves._slots[place].epochs.source.data
 
 

@@ -65,7 +65,7 @@ function gauge(parts, card) {
 
 function fill(parts, card) {
   parts.item.className = card.kind
-  parts.item.toggleAttribute("aria-current", card.kind === "now")
+  card.kind === "now" ? parts.item.setAttribute("aria-current", "step") : parts.item.removeAttribute("aria-current")
   for (const name of ["place", "title", "guide", "best", "epochs", "time", "rule", "now"]) {
     if (parts[name].textContent !== card[name]) parts[name].textContent = card[name]
   }
