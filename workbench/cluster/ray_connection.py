@@ -7,7 +7,6 @@ import importlib.util
 import os
 import re
 import secrets
-import shutil
 import socket
 import tempfile
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from sim.errors import SubMasError, UsageError
+from workbench.cluster.scratch import scratch
 from workbench.engine_options import EngineOptions
 from workbench.launcher import cpu_count
 
@@ -73,20 +73,19 @@ def _started() -> Iterator[None]:
     if os.environ.setdefault("RAY_AUTH_MODE", "token") == "token" and "RAY_AUTH_TOKEN_PATH" not in os.environ:
         os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
     base = tempfile.gettempdir()
-    folder = Path(tempfile.mkdtemp(prefix="ray-", dir=base if len(base) <= SOCKET_PATH_LIMIT else "/tmp"))
-    try:
-        with _initialised(
+    with (
+        scratch("ray-", Path(base if len(base) <= SOCKET_PATH_LIMIT else "/tmp")) as folder,
+        _initialised(
             address="local", num_cpus=cpu_count(), include_dashboard=False, object_store_memory=OBJECT_STORE_BYTES,
             _node_ip_address=LOOPBACK, _temp_dir=str(folder),
-        ):  # fmt: skip
-            import ray
+        ),
+    ):  # fmt: skip
+        import ray
 
-            bound = ray.util.get_node_ip_address()
-            if bound != LOOPBACK:
-                raise ClusterError(f"Ray would listen on {bound} instead of {LOOPBACK}; this version cannot be used")
-            yield
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        bound = ray.util.get_node_ip_address()
+        if bound != LOOPBACK:
+            raise ClusterError(f"Ray would listen on {bound} instead of {LOOPBACK}; this version cannot be used")
+        yield
 
 
 @contextlib.contextmanager

@@ -8,15 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import os
-import shutil
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -25,15 +22,14 @@ from typing import Any, Final
 
 from workbench.cluster.receiver import GivenUpError
 from workbench.cluster.run_mirror import Head, RunMirror
+from workbench.cluster.scratch import scratch
 from workbench.launcher import environment
-from workbench.run_files import is_locked, take_lock
 
 LOOK_S: Final = 0.5
 """Time between two looks at the run folder and at what the head wishes."""
 END_PATIENCE_S: Final = 10.0
 """How long a training may take to end at once before it is killed."""
 SCRATCH: Final = "workbench-run-"
-HELD: Final = "held.lock"
 
 
 @dataclass(frozen=True)
@@ -110,8 +106,8 @@ def attempt(head: Head, order: Order, node: str) -> Outcome:
         return Outcome(node=node, unwanted=True)
     if shared and order.folders != "streamed":
         return Outcome(_work(head, Path(order.folder), order, None), node)
-    with _scratch() as scratch:
-        folder = scratch / order.run
+    with scratch(SCRATCH) as place:
+        folder = place / order.run
         folder.mkdir()
         mirror = RunMirror(folder, head)
         mirror.fetch()
@@ -163,23 +159,6 @@ def _obey(wishes: tuple[bool, bool, bool], folder: Path, streamed: bool) -> bool
 
 def _is_shared(order: Order) -> bool:
     return bool(order.proof) and Path(order.folder).is_dir() and Path(order.folder).with_name(order.proof).is_file()
-
-
-@contextlib.contextmanager
-def _scratch() -> Iterator[Path]:
-    """A folder of this node that is removed afterwards, or by the next run here if the task is killed."""
-    base = Path(tempfile.gettempdir())
-    for old in base.glob(f"{SCRATCH}*"):
-        if old.is_dir() and old.stat().st_uid == os.getuid() and (old / HELD).exists() and not is_locked(old / HELD):
-            shutil.rmtree(old, ignore_errors=True)
-    folder = Path(tempfile.mkdtemp(prefix=SCRATCH))
-    lock = take_lock(folder / HELD)
-    try:
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-        if lock is not None:
-            os.close(lock)
 
 
 def node_words() -> str:
