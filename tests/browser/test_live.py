@@ -106,7 +106,7 @@ def test_a_training_is_launched_watched_and_its_policy_flown(person: Page, workb
     expect(person).to_have_title("finished · source-3 · SubMas")
     expect(_chain(person)).to_have_count(1)
     expect(_chain(person)).to_contain_text("ended: all 2 epochs done")
-    expect(person.get_by_role("button", name=re.compile("^updates/s"))).to_contain_text(re.compile(r"\d"))
+    expect(person.get_by_role("button", name=re.compile("^updates.s"))).to_contain_text(re.compile(r"\d"))
     person.get_by_role("link", name="Fly newest policy").click()
     person.wait_for_url(f"**/fly?a={run.id}*")
     store.delete(run.id)

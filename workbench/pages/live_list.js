@@ -20,6 +20,7 @@ export function render({model}) {
     list.setAttribute("aria-label", NAMES[name])
     lists[name] = {head, list, count: element("small", "", head)}
   }
+  const none = element("p", "", root, "No run yet.")
   const foot = element("div", "foot", root)
   const seeds = element("button", "more", foot, "All its seeds"), alone = element("button", "more", foot, "It alone")
   seeds.type = alone.type = "button"
@@ -94,6 +95,7 @@ export function render({model}) {
     alone.hidden = !lines.some((line) => line.beside)
     all.href = "/runs" + (new URLSearchParams(location.search).get("theme") === "default" ? "?theme=default" : "")
     all.hidden = !lines.length
+    none.hidden = lines.length > 0
   }
   model.on("lines", draw)
   draw()
