@@ -36,7 +36,7 @@ HOSTILE: dict[str, str | bytes] = {
     "zero bytes": b"\x00" * 1000,
     "nested lists": "a = " + "[" * 50_000,
     "closed nested lists": "a = " + "[" * 20_000 + "]" * 20_000,
-    "nested tables": "a" + ".a" * 30_000 + " = 1",
+    "nested tables": "a" + ".a" * 15_000 + " = 1",
     "nested tables on many lines": "".join("a" + ".a" * 590 + f".b{line} = 1\n" for line in range(26)),
     "nested tables of many names": "".join(f"{chr(97 + line)}" + ".a" * 590 + " = 1\n" for line in range(26)),
     "inline tables": "a = " + "{a = " * 10_000 + "1" + "}" * 10_000,
