@@ -21,9 +21,10 @@ from agents.numerics import prepare_torch
 from agents.recorder import NoRecorder
 from agents.replay import SCALARS
 from agents.stacked.agent import Member
-from agents.stacked.collection import Stack, collect
+from agents.stacked.collection import collect
 from agents.stacked.device import checked_device
-from agents.stacked.training import Simulator, StackedTraining, device_name
+from agents.stacked.stack import Simulator, Stack
+from agents.stacked.training import StackedTraining, device_name
 from agents.td3_fast import FastTd3
 from sim.task import task_for
 from workbench.bench_learner import STORED, UPDATES, Progress, our_updates

@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import torch
 from torch import Tensor
 
 from agents.hyperparameters import Hyperparameters
 from agents.stacked.draws import Purpose, normal, uniform
-from agents.stacked.encoder import Encoder
-from agents.stacked.guides import StackedGuides
 from agents.stacked.lanes import Lanes
-from agents.stacked.learner import StackedTd3
-from agents.stacked.replay import StackedReplay
-from agents.stacked.worlds import Worlds
+from agents.stacked.stack import Stack
 from agents.task import GOAL_REACHED, RUNNING
 from agents.training_state import FinishedEpisode
-
-
-@dataclass
-class Stack:
-    """Everything of S agents that is stacked."""
-
-    learner: StackedTd3
-    replay: StackedReplay
-    guides: StackedGuides
-    worlds: Worlds
-    lanes: Lanes
-    encoder: Encoder
-
-    def take(self, agents: list[int]) -> Stack:
-        """The stack of these agents alone, in this order."""
-        parts = (self.learner, self.replay, self.guides, self.worlds, self.lanes)
-        return Stack(*(part.take(agents) for part in parts), self.encoder)  # type: ignore[arg-type]
 
 
 @torch.no_grad()

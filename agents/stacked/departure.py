@@ -19,10 +19,10 @@ from agents.networks import Critic
 from agents.replay import SCALARS
 from agents.resume import take_snapshot
 from agents.snapshot import Snapshot
-from agents.stacked.collection import Stack
 from agents.stacked.learner import StackedTd3
 from agents.stacked.parameters import Layer, layers_of
 from agents.stacked.replay import StackedReplay
+from agents.stacked.stack import Stack
 from agents.stage import Stage
 from agents.task import FloatArray, IntArray
 from agents.td3 import Td3

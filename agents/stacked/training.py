@@ -8,40 +8,28 @@ has come to the end of the chain leaves, and the stack becomes smaller.
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any, Literal
 
 import numpy as np
 import torch
 
-from agents.config import ConfigError
-from agents.evasion import EVASION, EvasionDomain
+from agents.evasion import EVASION
 from agents.hyperparameters import Hyperparameters
 from agents.numerics import matmul_route, prepare_torch
 from agents.snapshot import Snapshot
 from agents.stacked.agent import Abandoned, Agent, HostActor, HostLearner, Member
-from agents.stacked.collection import Stack, collect
+from agents.stacked.collection import collect
 from agents.stacked.departure import snapshot_of
-from agents.stacked.encoder import Encoder
-from agents.stacked.guides import StackedGuides
-from agents.stacked.lanes import Lanes
-from agents.stacked.learner import StackedTd3
-from agents.stacked.replay import StackedReplay
 from agents.stacked.residence import actor_weights, move_in
+from agents.stacked.stack import Simulator, common_hyperparameters, empty_stack
 from agents.stacked.update_block import UpdateBlock
-from agents.stacked.warp_worlds import WarpWorlds, on_torchs_stream
-from agents.stacked.worlds import HostWorlds, Worlds
+from agents.stacked.warp_worlds import on_torchs_stream
 from agents.task import Domain
 from agents.td3 import LearnerStatistics, Td3
 from agents.training_state import EpochCounts
-from sim.scenario import Sensor
-
-Simulator = Literal["device", "host"]
-"""Where worlds are flown: with the learners, or on the processor whatever the learners' device."""
 
 
 def train_stacked(
@@ -206,49 +194,6 @@ class StackedTraining:
         if staying:
             self.stack = self.stack.take(staying)
             self.block = UpdateBlock(self.stack, self.hyper)
-
-
-def empty_stack(
-    agents: Sequence[Agent], domain: Domain, hyper: Hyperparameters, device: torch.device, simulator: Simulator
-) -> Stack:
-    """Room for all agents, as wide as the union of all subtasks they will ever meet."""
-    subtasks = sorted({number for agent in agents for task, _ in agent.legs for number in domain.subtasks(task)})
-    features = domain.features(domain.layout(tuple(subtasks)))
-    encoder, count, limit = Encoder(features, device), len(agents), domain.action_limit
-    learner = StackedTd3(count, features.size, hyper, limit, device=device)
-    return Stack(
-        learner=learner,
-        replay=StackedReplay(count, hyper.replay_size, hyper.lanes, features.size, device),
-        guides=StackedGuides(count, learner.actor.shape, encoder, limit, device),
-        worlds=worlds_for(agents, domain, features.layout, hyper.lanes, device, simulator),
-        lanes=Lanes.empty(count, hyper.lanes, features.layout.size, features.size, device),
-        encoder=encoder,
-    )
-
-
-def common_hyperparameters(each: Sequence[Hyperparameters]) -> Hyperparameters:
-    """The numbers that all agents share; only the number of epochs may differ.
-
-    Raises:
-        ConfigError: there is no agent, or other numbers differ.
-    """
-    if not each:
-        raise ConfigError("there is nothing to train; give at least one seed and one variant")
-    if len({dataclasses.replace(hyper, epochs=1) for hyper in each}) > 1:
-        raise ConfigError("agents of different profiles cannot be stacked; train each profile by itself")
-    return each[0]
-
-
-def worlds_for(
-    agents: Sequence[Agent], domain: Domain, layout: Any, lanes: int, device: torch.device, simulator: Simulator
-) -> Worlds:
-    """The simulator on the learners' device, where it is the domain's and every scenario's sensors are perfect."""
-    perfect = isinstance(domain, EvasionDomain) and all(
-        task.scenario.sensor == Sensor() for agent in agents for task, _ in agent.legs
-    )
-    if simulator == "device" and perfect:
-        return WarpWorlds(layout, len(agents), lanes, device)
-    return HostWorlds(domain, layout, len(agents), lanes, device)
 
 
 def device_name(device: torch.device) -> str:

@@ -13,8 +13,8 @@ from typing import Any
 import torch
 
 from agents.hyperparameters import Hyperparameters
-from agents.stacked.collection import Stack
 from agents.stacked.draws import Purpose, normal
+from agents.stacked.stack import Stack
 
 WARM_UP = 3
 """Blocks that run kernel by kernel before one is recorded: libraries set themselves up in their first calls."""
