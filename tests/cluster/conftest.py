@@ -29,6 +29,7 @@ OpenEngine = Callable[..., AbstractContextManager[Engine]]
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
     """Three nodes, each with processes of its own; the second and the third have a core each."""
+    pytest.importorskip("ray", reason="needs the extra [cluster]")
     before = dict(os.environ)
     os.environ.update(RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER="0", RAY_USAGE_STATS_ENABLED="0", RAY_worker_niceness="0")
     os.environ.update(RAY_AUTH_MODE="token", RAY_AUTH_TOKEN=secrets.token_hex(32))

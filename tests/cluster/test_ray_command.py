@@ -30,6 +30,7 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture
 def command(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
     """Starts `workbench` in a session of its own, with trainings that can be held; none outlives the test."""
+    pytest.importorskip("ray", reason="needs the extra [cluster]")
     started: list[subprocess.Popen[str]] = []
     (tmp_path / "tmp").mkdir()
 

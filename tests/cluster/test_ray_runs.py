@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from agents.config import TrainingConfig
+from sim.errors import UsageError
 from tests.cluster.conftest import OpenEngine
 from tests.cluster.following import await_, await_ends, kill_training, kill_worker, trainings
 from tests.reliability.test_kill import assert_same_policies, rows, told, uninterrupted
@@ -137,3 +138,12 @@ def test_each_call_of_a_study_is_a_task_and_one_that_dies_is_made_again(engine: 
     with engine() as ray:
         found = dict(ray.each(twice, [(number, str(tmp_path / "died")) for number in range(4)]))
     assert found == {0: 0, 1: 2, 2: 4, 3: 6} and (tmp_path / "died").exists()
+
+
+@pytest.mark.parametrize("needs", [{"gpus_per_run": 1.0}, {"cpus_per_run": 2.0}])
+def test_what_no_node_has_is_said_before_anything_begins(
+    needs: dict[str, float], engine: OpenEngine, store: RunStore
+) -> None:
+    with pytest.raises(UsageError, match=r"^no node of this Ray has "), engine(**needs):
+        pytest.fail("it began")
+    assert not store.list()
