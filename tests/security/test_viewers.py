@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import asyncio
 import dataclasses
 import re
 import socket
@@ -15,6 +16,10 @@ import pytest
 import viser
 import viser._messages as messages
 from tornado.httpclient import HTTPRequest
+from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
+from tornado.web import Application
+from tornado.websocket import websocket_connect
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
@@ -22,7 +27,7 @@ from tests.conftest import Served
 from tests.security.hostile import EVERY
 from tests.security.session import session
 from tests.security.sources import PACKAGES, ROOT, calls, trees
-from workbench.viser_proxy import LOOKS, only_looks
+from workbench.viser_proxy import LOOKS, ViserRegistry, only_looks, viser_routes
 
 ACTS = re.compile(
     r"add_(button|upload|checkbox|text|number|slider|dropdown|command|modal|form|transform_controls)|on_(click|upload|drag|pointer)"
@@ -151,3 +156,39 @@ def test_a_request_is_a_request() -> None:
     source = (ROOT / "workbench" / "viser_proxy.py").read_text()
     assert source.count("HTTPRequest(") == 1 and 'f"ws://127.0.0.1:{server.get_port()}"' in source
     assert HTTPRequest("ws://127.0.0.1:1").url == "ws://127.0.0.1:1"
+
+
+def test_the_camera_of_a_scene_is_heard_through_the_door_and_a_press_is_not() -> None:
+    # Where the camera is makes a client of the scene; without it, no picture could be asked for either.
+    registry = ViserRegistry()
+    heard: list[object] = []
+
+    async def visit() -> None:
+        sockets = bind_sockets(0, "127.0.0.1")
+        front = HTTPServer(Application(viser_routes(registry)))
+        front.add_sockets(sockets)
+        name, scene = registry.open()
+        scene.on_client_connect(lambda client: heard.append(client.client_id))
+        press = scene.gui.add_button("never")
+        press.on_click(lambda _event: heard.append("pressed"))
+        address = f"ws://127.0.0.1:{sockets[0].getsockname()[1]}/viser/{name}"
+        page = await websocket_connect(address, subprotocols=[f"viser-v{viser.__version__}"])
+        for message in (
+            {"type": "GuiUpdateMessage", "uuid": press._impl.uuid, "updates": {"value": True}},
+            {"type": "ViewerCameraMessage", "wxyz": [1.0, 0.0, 0.0, 0.0], "position": [1.0, 2.0, 3.0], "fov": 1.0,
+             "near": 0.1, "far": 1e3, "image_height": 9, "image_width": 16, "look_at": [0.0, 0.0, 0.0],
+             "up_direction": [0.0, 0.0, 1.0]},
+            {"type": "GuiUpdateMessage", "uuid": press._impl.uuid, "updates": {"value": True}},
+        ):  # fmt: skip
+            await page.write_message(msgspec.msgpack.encode(message), binary=True)
+        for _ in range(300):
+            if heard:
+                break
+            await asyncio.sleep(0.1)
+        await asyncio.sleep(0.3)
+        page.close()
+        front.stop()
+
+    asyncio.run(visit())
+    registry.close_all()
+    assert len(heard) == 1 and "pressed" not in heard
