@@ -15,6 +15,7 @@ from torch import Tensor
 from agents.stacked.worlds import LaneStep
 from agents.stage import Stage
 from agents.task import RUNNING, BoolArray
+from sim.device import start_warp
 from sim.device_world import DeviceWorld, truth_columns
 from sim.observation import ObservationLayout
 from sim.world import Outcome
@@ -45,6 +46,7 @@ class WarpWorlds:
 
     def __init__(self, layout: ObservationLayout, agents: int, lanes: int, device: torch.device) -> None:
         """Places for `agents`; observations are shown in `layout`, which has the missiles of every task."""
+        start_warp()
         self.layout, self.lanes, self.device = layout, lanes, device
         self.worlds: list[Any] = [None] * agents
         self._views: list[Any] = [None] * agents
@@ -113,5 +115,6 @@ def on_torchs_stream(device: torch.device) -> Iterator[None]:
     if device.type == "cpu":
         yield
         return
+    start_warp()
     with wp.ScopedStream(wp.stream_from_torch(torch.cuda.current_stream(device))):
         yield
