@@ -199,6 +199,6 @@ def _growth(progress: Any) -> dict[str, Any]:
 def _show_growth(figures: dict[str, Any]) -> None:
     from workbench.terminal import print_line
 
-    print(figures["markdown"])
+    print(figures["markdown"] + "\n")
     if figures["document"]:
-        print_line(f"\nwritten to {figures['document']}")
+        print_line(f"written to {figures['document']}")
