@@ -48,6 +48,8 @@ class Learning:
         self.run = store.create(TrainingConfig(curriculum=True, profile="fast", name=name))
         self.lock = self.run.claim()
         self.epoch = 0
+        first = {"stage": 0, "task": "source-3", "epoch": 1, "env_steps": 40_960, "wall_s": 3.0}
+        append_line(self.run.path / "metrics.jsonl", {**ROW, **first})
         self.learn(3)
 
     def learn(self, epochs: int) -> None:
@@ -169,7 +171,7 @@ def test_a_pause_in_one_tab_is_seen_in_the_other_and_the_run_resumed(
         expect(page.get_by_role("button", name="Pausing …")).to_be_disabled()
     assert learning.run.pause_requested()
     learning.end("paused")
-    expect(other.get_by_text("everything is saved. Resume it")).to_be_visible()
+    expect(other.get_by_text("everything is saved. Resume it").first).to_be_visible()
     expect(other.get_by_text(f"workbench resume {learning.run.id} --runs")).to_be_visible()
     # As many trainings as there are cores seem to be alive: what is resumed waits.
     busy = [Learning(store, f"busy {number}") for number in range(os.cpu_count() or 1)]
@@ -213,7 +215,7 @@ def test_runs_are_walked_by_key_and_laid_over_each_other(
     person.wait_for_url(f"**run={second.run.id}*")
     expect(person).to_have_title(re.compile("SubMas"))
     second.end("stopped")
-    expect(person.get_by_text("Stopped by hand")).to_be_visible()
+    expect(person.get_by_text("Stopped by hand").first).to_be_visible()
     store.delete(second.run.id)
 
 

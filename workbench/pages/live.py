@@ -65,6 +65,7 @@ class LivePage:
         self.layout = self._places.layout
         self._take_settings()
         self._opened, self._standing = self.settings, False
+        self._wanted: tuple[LiveSettings, bool] | None = None
         # What the index has at hand is shown with the first paint.
         if context.index.is_open:
             self._show(self._desk.look(self.settings, follow=False))
@@ -91,6 +92,10 @@ class LivePage:
             self._open(replace(self.settings, **changes))
 
     def _open(self, settings: LiveSettings, written: bool = False) -> None:
+        if not self._standing:
+            # What is sent before the browser has built the page is lost: it waits until then.
+            self._wanted = (settings, written)
+            return
         if settings == self.settings:
             return
         self.settings = settings
@@ -140,6 +145,8 @@ class LivePage:
     async def live(self) -> None:
         """Show what there is, and follow it until the page is left."""
         self._standing = True
+        if self._wanted is not None:
+            self._open(*self._wanted)
         await self.refresh()
         self.follower.start()
         if self.settings != self._opened:

@@ -32,7 +32,7 @@ export function render({model}) {
     box.onchange = () => { model.x = value }
   }
   const smooth = make("label", "part", root, {title: "Exponential mean: how much the past weighs. What was measured stays behind it, faint."}, "Smooth")
-  const slider = make("input", "", smooth, {type: "range", min: 0, max: 99, step: 1, "aria-label": "Smoothing in percent"}), value = make("output", "", smooth)
+  const slider = make("input", "", smooth, {type: "range", min: 0, max: 99, step: 1, "aria-label": "Smoothing in percent"}), value = make("span", "value", smooth)
   slider.oninput = () => { value.textContent = `${slider.value} %` }
   slider.onchange = () => { model.smooth = Number(slider.value) }
   const choose = make("button", "", root, {type: "button", "aria-haspopup": "true", title: "Which figures are shown"}, "Panels ▾")

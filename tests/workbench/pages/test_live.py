@@ -70,7 +70,7 @@ def do(*actions: Callable[[], object] | Coroutine[Any, Any, object]) -> None:
 
 def opened(app: AppContext, **query: str) -> LivePage:
     page = LivePage(app)
-    page.settings = read_settings(query)
+    page.settings, page._standing = read_settings(query), True
     do(page.refresh())
     return page
 
