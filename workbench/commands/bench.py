@@ -199,6 +199,8 @@ def _growth(progress: Any) -> dict[str, Any]:
 def _show_growth(figures: dict[str, Any]) -> None:
     from workbench.terminal import print_line
 
-    print(figures["markdown"] + "\n")
+    for line in figures["markdown"].split("\n"):
+        print_line(line)
+    print()
     if figures["document"]:
         print_line(f"written to {figures['document']}")
