@@ -72,6 +72,8 @@ def test_of_all_messages_only_looks_are_passed_on() -> None:
     assert names >= LOOKS and len(names) > 100
     passed = {name for name in names if only_looks(msgspec.msgpack.encode({"type": name}))}
     assert passed == LOOKS
+    picture = {"type": "GetRenderResponseMessage", "payload": bytes(3_000_000), "render_uuid": "one"}
+    assert only_looks(msgspec.msgpack.encode(picture))
     assert not {"GuiUpdateMessage", "FileTransferStartUpload", "ShareUrlRequest", "ScenePointerMessage"} & passed
 
 
