@@ -75,6 +75,7 @@ export function render({model}) {
     parts.box.setAttribute("aria-label", `Curves of ${line.title}, ${line.detail}`)
   }
 
+  let seen = ""
   function draw() {
     const lines = JSON.parse(model.lines), wanted = new Set(lines.map((line) => line.id))
     for (const [id, parts] of made) if (!wanted.has(id)) { parts.item.remove(); made.delete(id) }
@@ -90,7 +91,9 @@ export function render({model}) {
       head.hidden = list.hidden = !places[name]
       set(count, String(places[name]))
     }
-    const open = lines.some((line) => line.open)
+    const open = lines.find((line) => line.open)?.id
+    if (open && open !== seen) made.get(open).item.scrollIntoView({block: "nearest"})
+    seen = open
     seeds.hidden = !open
     alone.hidden = !lines.some((line) => line.beside)
     all.href = "/runs" + (new URLSearchParams(location.search).get("theme") === "default" ? "?theme=default" : "")
