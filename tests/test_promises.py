@@ -13,24 +13,18 @@ PAGES = ("docs/reliability.md", "docs/security.md")
 NAMED = re.compile(r"`(tests/[\w/]+\.py)(?:::(\w+))?`")
 
 
-def promises(page: str) -> list[tuple[str, str]]:
-    """Rows of the first table: promise and the cell that names its tests."""
-    rows = re.findall(r"^\| (.+) \| (.+) \|$", (ROOT / page).read_text("utf-8"), re.MULTILINE)
-    return [row for row in rows if "tests/" in row[1]]
-
-
-@pytest.mark.parametrize("page", PAGES)
-def test_every_promise_names_a_test(page: str) -> None:
-    table = (ROOT / page).read_text("utf-8").partition("## What is promised")[2].partition("\n## ")[0]
+@pytest.mark.parametrize("document", PAGES)
+def test_every_promise_names_a_test(document: str) -> None:
+    table = (ROOT / document).read_text("utf-8").partition("## What is promised")[2].partition("\n## ")[0]
     lines = [line for line in table.splitlines() if line.startswith("| ") and not line.startswith("| promise")]
     assert len(lines) > 10
     assert [line for line in lines if not NAMED.search(line.rpartition(" | ")[2])] == []
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_every_named_test_exists(page: str) -> None:
+@pytest.mark.parametrize("document", PAGES)
+def test_every_named_test_exists(document: str) -> None:
     missing = []
-    for path, name in NAMED.findall((ROOT / page).read_text("utf-8")):
+    for path, name in NAMED.findall((ROOT / document).read_text("utf-8")):
         file = ROOT / path
         tree = ast.parse(file.read_text("utf-8")) if file.is_file() else ast.Module([], [])
         known = {node.name for node in tree.body if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")}
