@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import secrets
 import warnings
@@ -23,16 +24,24 @@ from workbench.runs import RunStore
 ENTRY = Path(__file__).with_name("held_training.py")
 STORE_BYTES = 80 * 2**20
 HEALTH = {"health_check_initial_delay_ms": 2000, "health_check_period_ms": 1000, "health_check_failure_threshold": 5}
+TOKEN = secrets.token_hex(32)
+"""One for all clusters of this process, which remembers it."""
 OpenEngine = Callable[..., AbstractContextManager[Engine]]
+
+
+def skip_without_ray() -> None:
+    """Look without importing it: Ray reads its settings once, when it is imported."""
+    if importlib.util.find_spec("ray") is None:
+        pytest.skip("needs the extra [cluster]")
 
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
     """Three nodes, each with processes of its own; the second and the third have a core each."""
-    pytest.importorskip("ray", reason="needs the extra [cluster]")
+    skip_without_ray()
     before = dict(os.environ)
     os.environ.update(RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER="0", RAY_USAGE_STATS_ENABLED="0", RAY_worker_niceness="0")
-    os.environ.update(RAY_AUTH_MODE="token", RAY_AUTH_TOKEN=secrets.token_hex(32))
+    os.environ.update(RAY_AUTH_MODE="token", RAY_AUTH_TOKEN=TOKEN)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # Ray's own
         from ray.cluster_utils import Cluster

@@ -17,6 +17,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from tests.cluster.conftest import skip_without_ray
 from workbench import cli
 from workbench.runs import Run, RunStore
 
@@ -30,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture
 def command(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
     """Starts `workbench` in a session of its own, with trainings that can be held; none outlives the test."""
-    pytest.importorskip("ray", reason="needs the extra [cluster]")
+    skip_without_ray()
     started: list[subprocess.Popen[str]] = []
     (tmp_path / "tmp").mkdir()
 

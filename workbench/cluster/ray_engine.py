@@ -9,14 +9,14 @@ import secrets
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from sim.errors import UsageError
 from workbench import launcher
-from workbench.cluster.ray_connection import ClusterError
+from workbench.cluster.brought_guide import guide_files
+from workbench.cluster.ray_outcome import outcome_of, result_of
 from workbench.cluster.receiver import RunReceiver
-from workbench.cluster.run_agent import Order, Outcome, train, versions_here
+from workbench.cluster.run_agent import Order, train, versions_here
 from workbench.engine_options import EngineOptions
 from workbench.run_files import RunFileError, waiting_lock
 from workbench.run_folder import LAUNCHER_LOCK, now
@@ -128,7 +128,7 @@ class RayEngine:
             while open_:
                 for reference in ray.wait(list(open_), num_returns=1)[0]:
                     number = open_.pop(reference)
-                    yield number, _result(reference)
+                    yield number, result_of(reference)
         finally:
             for reference in open_:
                 ray.cancel(reference, force=True)
@@ -169,7 +169,7 @@ class RayEngine:
         self._expect(task)
         order = Order(
             run=task.run.id, attempt=task.attempt, folder=str(task.run.path), folders=self._options.run_folders,
-            proof=self._proof, entry=launcher.ENTRY, versions=versions_here(), guide=_guide(task.run, self._store),
+            proof=self._proof, entry=launcher.ENTRY, versions=versions_here(), guide=guide_files(task.run, self._store),
         )  # fmt: skip
         remote: Any = ray.remote(train)
         how = {"max_retries": 0, "name": f"run {task.run.id}"} | self._placement()
@@ -206,7 +206,7 @@ class RayEngine:
 
     def _end(self, task: _Task) -> None:
         """A task is over: its run has ended, or has to begin again."""
-        outcome, reason = _outcome(task.reference)
+        outcome, reason = outcome_of(task.reference)
         state = task.run.state
         if outcome is not None and outcome.refused:
             self._fail(task, outcome.refused)
@@ -238,48 +238,3 @@ class RayEngine:
 def _fits(resources: dict[str, float], needs: dict[str, float]) -> int:
     """How many runs with these needs a node holds."""
     return min(int(resources.get(name, 0.0) / need + 1e-9) for name, need in needs.items() if need)
-
-
-def _guide(run: Run, store: RunStore) -> dict[str, bytes]:
-    """The guide's files, where it is a run or a file: what is shipped is on every node."""
-    from workbench.policies import EXPERTS, SUFFIX, shipped_policies
-    from workbench.runs import is_run_id
-    from workbench.training import BROUGHT_GUIDE
-
-    spec = run.config.guide
-    if not spec or spec in EXPERTS or spec in shipped_policies():
-        return {}
-    path = store.get(spec).policy_path() if is_run_id(spec) else Path(spec).expanduser()
-    return {BROUGHT_GUIDE: path.read_bytes()} if path and path.suffix == SUFFIX and path.is_file() else {}
-
-
-def _outcome(reference: Any) -> tuple[Outcome | None, str]:
-    """How a task ended on its node, and in words if it died."""
-    import ray
-    from ray.exceptions import RayError, RayTaskError
-
-    try:
-        outcome: Outcome = ray.get(reference)
-    except RayTaskError as error:
-        return None, f"its node could not go on ({error.cause})"
-    except RayError as error:
-        return None, f"its worker or its node died ({type(error).__name__})"
-    code = outcome.exit_code
-    return outcome, f"its process died ({f'signal {-code}' if code is not None and code < 0 else f'exit code {code}'})"
-
-
-def _result(reference: Any) -> Any:
-    """A task's result.
-
-    Raises:
-        ClusterError: its nodes died, more often than it may begin again.
-    """
-    import ray
-    from ray.exceptions import RayError, RayTaskError
-
-    try:
-        return ray.get(reference)
-    except RayTaskError:
-        raise
-    except RayError as error:
-        raise ClusterError(f"a task's worker or node died too often ({type(error).__name__})") from error
