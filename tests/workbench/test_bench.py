@@ -121,9 +121,7 @@ def test_a_device_that_is_not_there_is_named(capsys: pytest.CaptureFixture[str])
     assert "there is no device 'cuda:99'; here are cpu" in capsys.readouterr().err
 
 
-def test_pages_keep_the_promised_names(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_pages_keep_the_promised_names(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     measured = PageBench(1.0, 1.5, 3.0, 1.0, 12.0, 0.5, 0.25, 4.5)
     monkeypatch.setattr(bench_page, "bench_page", lambda progress: measured)
     assert bench.run(bench.Args("page", json=True)) == 0
