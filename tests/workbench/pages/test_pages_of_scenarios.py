@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import panel as pn
@@ -9,6 +10,7 @@ import pytest
 
 from agents.config import TrainingConfig
 from sim.task import task_for
+from tests.workbench.pages.test_live import opened
 from workbench import launcher
 from workbench.context import AppContext
 from workbench.estimate import estimate
@@ -17,7 +19,7 @@ from workbench.pages.address import fly_address
 from workbench.pages.curriculum import CurriculumPage
 from workbench.pages.curriculum_cards import observation_card, reward_card, task_card
 from workbench.pages.curriculum_launch import STAGE, LaunchForm
-from workbench.pages.live import LivePage, stage_tasks
+from workbench.pages.live_chain import stage_tasks
 from workbench.pages.runs_lines import run_line
 from workbench.pages.runs_settings import RunsSettings
 from workbench.run_state import RunState
@@ -105,10 +107,11 @@ def test_the_cost_of_six_stages_is_that_of_six() -> None:
 def test_live_and_runs_say_where_it_learns(app: AppContext) -> None:
     run = app.store.create(TrainingConfig(scenario=SIX, curriculum=True))
     run.write_state(RunState("stopped"))
-    assert "scenario <b>six-missiles</b>" in LivePage(app)._html["head"].object
+    assert json.loads(opened(app, run=run.id).head.facts)["scenario"] == SIX
     app.index.look()
     assert run_line(app.index.find()[0], RunsSettings())["task"] == "Curriculum 1–6 · six-missiles"
-    assert stage_tasks(run.config) == ["source-5", "source-4", "source-3", "source-2", "source-1", "target"]
+    names = [task.name for task in stage_tasks(run.config)]
+    assert names == ["source-5", "source-4", "source-3", "source-2", "source-1", "target"]
 
 
 def test_flying_a_run_leads_to_its_scenario_and_masks_what_it_cannot_see(app: AppContext) -> None:
@@ -125,4 +128,4 @@ def test_scenario_files_of_runs_are_on_offer_while_they_can_be_read(app: AppCont
     own.unlink()
     assert str(own) not in scenario_choices(app.store).values()
     assert fly_address(run) == f"/fly?a={run.id}"
-    assert "cannot be shown any more" in LivePage(app)._alert.object
+    assert "own.toml" in opened(app, run=run.id).alert.object
