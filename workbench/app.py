@@ -11,6 +11,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 from panel.io.resources import LOCAL_DIST
+from panel.util.parameters import edit_readonly
 
 from layouts import theme
 from sim.errors import SubMasError
@@ -62,9 +63,14 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES), *history_steps(name)],
         dark_theme=not light,
         theme_config={"dark": _look("dark"), "light": _look("light")},
+        busy_indicator=None,
         sx={"& > .header": {"backgroundColor": _css(theme.DARK.field), "backgroundImage": "none"}},
         main=[_content(context, name)],
     )
+    # The frame hears of every event that Python begins and ends, and each time Panel walks over all models of the page,
+    # some 50 ms: the clock of Fly, the search of Runs would wait for that. Its bar is not shown, so it need not hear.
+    with edit_readonly(page):
+        page.busy = False
     page.param.watch(lambda event: _keep_theme(links, dark=event.new), "dark_theme")
     if light:
         _keep_theme(links, dark=False)

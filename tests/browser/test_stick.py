@@ -20,6 +20,7 @@ def _open(visitor: Page, served: Served, query: str) -> None:
 
 def test_the_other_policy_flies_on_and_a_reload_shows_the_same_branch(visitor: Page, served: Served) -> None:
     _open(visitor, served, "?seed=2&t=330")
+    expect(visitor.get_by_text("from 5:30 on")).to_be_visible()
     visitor.get_by_role("button", name="B", exact=True).click()
     visitor.get_by_role("button", name="Fly on").click()
     branch = visitor.locator(".card.branch")

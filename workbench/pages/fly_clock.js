@@ -5,7 +5,7 @@ const SHAPES = {
   event_back: "M6 5h2.2v14H6zM19 5v14L9.5 12z", step_back: "M15.5 5.5v13L7 12z",
   step_on: "M8.5 5.5v13L17 12z", event_on: "M15.8 5H18v14h-2.2zM5 5v14l9.5-7z",
 }
-const SEND_MS = 40, SETTLE_MS = 400
+const SEND_MS = 30, SETTLE_MS = 400
 const STEP_S = 1, LEAP_S = 10, FINE_S = 0.1
 
 const text = (seconds) => {

@@ -28,5 +28,7 @@ class FlightClock(JSComponent):
         """Pause and go to this time [s]."""
         self.jump = [time_s, self.jump[1] + 1]
 
+    _debounce: ClassVar[int] = 0
+    """Panel gathers changes for 50 ms before it tells of them; this clock sends the next only after an answer."""
     _esm = Path(__file__).with_suffix(".js")
     _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]

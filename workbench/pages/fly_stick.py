@@ -82,7 +82,7 @@ class FlyStick:
     def tick(self, time_s: float) -> None:
         """The clock moved to this time [s]."""
         if self._live is None and self._flights:
-            self.widgets.tell(time_s, self._step(time_s) >= len(self._original.action_rad))
+            self.widgets.tell(self._step(time_s) >= len(self._original.action_rad))
 
     def remove(self) -> None:
         """Back to the original: stop flying by hand, forget the branch."""

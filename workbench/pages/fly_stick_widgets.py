@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import panel as pn
 import panel_material_ui as pmui
 
-from layouts.captions import clock_text
 from workbench.pages.fly_stick_card import BRANCH_CARD_CSS
 from workbench.pages.fly_stick_dial import HeadingDial
+from workbench.pages.fly_stick_moment import StickMoment
 
 HOLD = ""
 """Who flies on after a person when nobody does: the last heading is held."""
@@ -38,7 +38,7 @@ class StickWidgets:
         """Who flies on until somebody has chosen."""
         self.take = _button("Fly on", "call_split", "contained", HELP)
         self.steer = _button("I fly", "sports_esports", "outlined", STEER_HELP)
-        self.moment = pn.pane.HTML("", margin=0, sizing_mode=None, styles={"font-size": "14px"})
+        self.moment = StickMoment(margin=0, sizing_mode=None)
         self.problem = pmui.Alert(object="", severity="warning", visible=False, margin=0, sizing_mode="stretch_width")
         self.dial = HeadingDial(margin=0, sizing_mode="stretch_width")
         self.heir = _select("Then flies", {"Nobody: hold the heading": HOLD} | policies, "0 1 260px")
@@ -63,11 +63,10 @@ class StickWidgets:
         self._live.visible = live
         self._branch.visible = self.charts.visible = branch and not live
 
-    def tell(self, time_s: float, over: bool) -> None:
-        """Say from which moment on somebody else would fly."""
-        words = f"from <b>{clock_text(time_s)}</b> on" if not over else "is over: move the clock back"
-        self.moment.object = f"<span style='white-space: nowrap'>{words}</span>"
-        self.take.disabled = self.steer.disabled = over
+    def tell(self, over: bool) -> None:
+        """Say whether there is a flight left to take over."""
+        if over != self.moment.over:
+            self.moment.over = self.take.disabled = self.steer.disabled = over
 
     def _rows(self) -> tuple[pn.viewable.Viewable, ...]:
         look = {
