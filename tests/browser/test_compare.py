@@ -29,8 +29,9 @@ def comparing(visitor: Page, served: Served) -> Iterator[Page]:
     yield visitor
 
 
-def test_a_first_visitor_sees_fig_13_and_where_it_comes_from(visitor: Page, served: Served) -> None:
-    visitor.goto(f"{served.address}/compare")
+def test_a_first_visitor_sees_fig_13_and_where_it_comes_from(person: Page, workbench: Served) -> None:
+    visitor = person  # of a server where nobody has compared anything yet
+    visitor.goto(f"{workbench.address}/compare")
     expect(visitor.locator(".legend")).to_contain_text("Defensive dragging (expert)", timeout=SLOW_MS)
     expect(visitor.get_by_role("button", name=re.compile(r"^Fly \d+ × 1000$"))).to_be_enabled()
     cancel = visitor.get_by_role("button", name="Cancel")
