@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,11 @@ HELD_AT = 3
 def config(store: RunStore, seed: int, hold: int = HELD_AT) -> TrainingConfig:
     """A training of six epochs, which waits on a cluster after the third for the file `go` beside the runs."""
     return TrainingConfig(missiles=1, seed=seed, name=f"hold={hold} go={store.root.parent / 'go'}")
+
+
+def reached(run: Run, request: str) -> bool:
+    """Whether a request stands in the run's folder on its node."""
+    return any(Path(tempfile.gettempdir()).glob(f"workbench-run-*/{run.id}/{request}"))
 
 
 def held(run: Run, at: int = HELD_AT) -> bool:
@@ -94,6 +100,7 @@ def test_stop_pause_and_the_end_at_once_reach_a_node_and_a_paused_run_goes_on_he
         await_(ray, lambda: bool(stopped.metrics()), stopped)
         stopped.request_stop()
         paused.request_pause()
+        await_(ray, lambda: reached(stopped, "stop") and reached(paused, "pause"), paused, stopped)
         go.touch()
         await_ends(ray, paused, stopped)
     assert (paused.state.state, stopped.state.state) == ("paused", "stopped")

@@ -7,7 +7,9 @@ import json
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, get_type_hints
 
 import pytest
 
@@ -102,6 +104,16 @@ def test_a_line_that_cannot_be_read_is_exit_code_2(line: str, capsys: pytest.Cap
     assert err
 
 
+def named(args: type) -> Iterator[dataclasses.Field[Any]]:
+    """The arguments as a person types them; those of a group stand beside the others."""
+    hints = get_type_hints(args)
+    for field in dataclasses.fields(args):
+        if dataclasses.is_dataclass(group := hints[field.name]):
+            yield from dataclasses.fields(group)
+        else:
+            yield field
+
+
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_every_command_explains_itself(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([name, "--help"]) == 0
@@ -109,7 +121,7 @@ def test_every_command_explains_itself(name: str, capsys: pytest.CaptureFixture[
     args = cli.command(name).Args
     assert f"usage: workbench {name}" in shown
     assert args.__doc__
-    for field in dataclasses.fields(args):
+    for field in named(args):
         option = field.name if field.default is dataclasses.MISSING else f"--{field.name.replace('_', '-')}"
         assert option in shown or option.upper() in shown or option.lstrip("-") in ("action", "run", "policy")
 
