@@ -101,17 +101,3 @@ def test_both_flights_are_drawn_and_one_clock_moves_every_view(person: Page, wor
     assert _share_drawn(recording) > 0.01
     _drag_clock(person, 0.45)
     assert _moves(person, rerun, recording)
-
-
-def test_a_stage_is_launched_watched_to_its_end_and_flown(person: Page, workbench: Served) -> None:
-    person.goto(f"{workbench.address}/curriculum?what=stage&mask=2,3,4&profile=smoke")
-    expect(person.get_by_text("Source task 3").first).to_be_visible()
-    person.get_by_role("button", name="Launch").click()
-    person.wait_for_url("**/live?run=*")
-    run = person.url.partition("run=")[2].partition("&")[0]
-    expect(person.get_by_text("finished", exact=True)).to_be_visible()
-    person.get_by_role("link", name="Fly latest policy").click()
-    person.wait_for_url("**/fly?*")
-    expect(person.locator(".card.exit, .card.failed")).to_have_count(2)
-    assert f"a={run}" in person.url
-    assert "mask=2%2C3%2C4" in person.url or "mask=2,3,4" in person.url

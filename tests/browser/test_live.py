@@ -110,7 +110,8 @@ def test_a_training_is_launched_watched_and_its_policy_flown(person: Page, workb
     expect(_chain(person)).to_contain_text("ended: all 2 epochs done")
     expect(person.get_by_role("button", name=re.compile("^updates.s"))).to_contain_text(re.compile(r"\d"))
     person.get_by_role("link", name="Fly newest policy").click()
-    person.wait_for_url(f"**/fly?a={run.id}*")
+    person.wait_for_url(f"**/fly?a={run.id}*mask=2*3*4*")
+    expect(person.locator(".card.exit, .card.failed")).to_have_count(2)
     store.delete(run.id)
 
 
