@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import ConsoleMessage, Error, Page, expect
+from playwright.sync_api import ConsoleMessage, Page, expect
 
 from tests.conftest import Served, start_server
 from workbench.chromium import MISSING, find_chromium, headless_flags
@@ -56,15 +56,10 @@ def complaints(page: Page) -> Iterator[list[str]]:
             found.append(complaint)
 
     page.on("console", hear)
-    page.on("pageerror", lambda error: None if _known(error) else found.append(error.stack or str(error)))
+    page.on("pageerror", lambda error: found.append(error.stack or str(error)))
     page.on("requestfinished", lambda request: _note_failure(found, request))
     yield found
     assert not found
-
-
-def _known(error: Error) -> bool:
-    """A race of Panel 1.9: a pane of HTML that becomes visible before its first paint has no container to show yet."""
-    return "reading 'style'" in error.message and "panel.min.js" in (error.stack or "")
 
 
 def _note_failure(found: list[str], request: Any) -> None:

@@ -102,7 +102,6 @@ class RunsDetail:
     def show_lineage(self, content: str) -> None:
         """HTML that `runs_lineage` has made; empty hides it."""
         self._panes["lineage"].object = f"<h3>Lineage</h3>{content}" if content else ""
-        self._panes["lineage"].visible = bool(content)
 
     def _show_buttons(self, record: RunRecord, run: Run) -> None:
         good, living = not record.problem, not record.trashed
