@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import math
 import os
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ import pytest
 from agents.config import TrainingConfig
 from agents.hyperparameters import FAST, PAPER
 from sim.errors import ScenarioError
+from tests.workbench.pages.page_sessions import do, opened_live
 from workbench import launcher
 from workbench.context import AppContext
 from workbench.pages import live as live_page
@@ -53,28 +53,6 @@ def app(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[AppContext]
     context.index.close()
 
 
-def do(*actions: Callable[[], object] | Coroutine[Any, Any, object]) -> None:
-    """Do these one after the other, each with all it sets off, in a loop as a session has one."""
-
-    async def each() -> None:
-        for action in actions:
-            if isinstance(action, Coroutine):
-                await action
-            else:
-                action()
-            while others := [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]:
-                await asyncio.wait(others, timeout=5.0)
-
-    asyncio.run(each())
-
-
-def opened(app: AppContext, **query: str) -> LivePage:
-    page = LivePage(app)
-    page.settings, page._standing = read_settings(query), True
-    do(page.refresh())
-    return page
-
-
 def facts(page: LivePage) -> dict[str, Any]:
     return json.loads(page.head.facts)
 
@@ -101,7 +79,7 @@ def learning(app: AppContext, state: str = "running", **config: object) -> Run:
 
 
 def test_nothing_under_way_says_what_to_do(app: AppContext) -> None:
-    page = opened(app)
+    page = opened_live(app)
     assert 'href="/curriculum"' in page.empty.object
     assert "Look back" not in page.empty.object
     ended = learning(app, "finished")
@@ -114,7 +92,7 @@ def test_the_newest_run_under_way_is_opened_and_followed(app: AppContext) -> Non
     learning(app, "finished")
     run = learning(app)
     lock = run.claim()
-    page = opened(app)
+    page = opened_live(app)
     assert page.settings.run == run.id
     assert facts(page)["now"] == "stage 2 of 4 · source-2 · epoch 3 of at most 100"
     assert facts(page)["tab"] == "30 % · source-2 · SubMas"
@@ -134,7 +112,7 @@ def test_every_stage_has_a_card_with_its_mask_guide_rule_and_present_value(app: 
     lock = run.claim()
     fields = {"task": "source-3", "reason": "3 held-out evaluations of 200 episodes", "success_rate": 0.996}
     append_line(run.path / "events.jsonl", {"kind": "stage_finished", "text": "source-3 …", **fields})
-    first, second, third, last = cards(opened(app, run=run.id))
+    first, second, third, last = cards(opened_live(app, run=run.id))
     assert [card["kind"] for card in (first, second, third, last)] == ["done", "now", "waiting", "waiting"]
     assert first["rule"] == "promoted; 99.6 % of fresh episodes"
     assert [chip["number"] for chip in second["missiles"] if not chip["masked"]] == [1, 2]
@@ -149,7 +127,7 @@ def test_every_stage_has_a_card_with_its_mask_guide_rule_and_present_value(app: 
 
 
 def test_nothing_is_sent_while_nothing_changes(app: AppContext, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = opened(app, run=learning(app).id)
+    page = opened_live(app, run=learning(app).id)
     monkeypatch.setattr(page, "_show_run", _never)
     do(*(page.refresh() for _ in range(5)))
 
@@ -160,7 +138,7 @@ def _never(*_: object) -> None:
 
 def test_new_epochs_are_streamed_not_drawn_again(app: AppContext, monkeypatch: pytest.MonkeyPatch) -> None:
     run = learning(app)
-    page = opened(app, run=run.id)
+    page = opened_live(app, run=run.id)
     source = page.curves._curves._slots[0].epochs.source
     sent: list[int] = []
     monkeypatch.setattr(type(source), "stream", lambda _self, new, **_: sent.append(len(new["x"])))
@@ -174,7 +152,7 @@ def test_new_epochs_are_streamed_not_drawn_again(app: AppContext, monkeypatch: p
 def test_several_runs_share_the_page(app: AppContext) -> None:
     runs = [learning(app, "finished", seed=seed) for seed in range(3)]
     learning(app, "finished", seed=7, variant="wo-pd")
-    page = opened(app, run=runs[0].id)
+    page = opened_live(app, run=runs[0].id)
     do(lambda: page.list.param.update(asked=["seeds", "", 1]))
     assert set(page.settings.beside) == {run.id for run in runs[1:]}
     do(page.refresh())
@@ -190,18 +168,18 @@ def test_a_damaged_or_unknown_run_is_a_sentence(app: AppContext) -> None:
     run = learning(app)
     with (run.path / "metrics.jsonl").open("a") as file:
         file.write("{}\n")
-    page = opened(app, run=run.id)
+    page = opened_live(app, run=run.id)
     assert "Not all of this run can be shown: metrics.jsonl has a row without" in page.alert.object
     assert len(cards(page)) == 4
-    assert "is not a run id" in opened(app, run="<b>x</b>").alert.object
+    assert "is not a run id" in opened_live(app, run="<b>x</b>").alert.object
     (run.path / "config.json").write_text("{")
-    assert "config.json is not JSON" in opened(app, run=run.id).alert.object
+    assert "config.json is not JSON" in opened_live(app, run=run.id).alert.object
 
 
 def test_nothing_a_run_says_is_markup(app: AppContext) -> None:
     # S9: the texts of run folders are data. What is JSON is set as text by the browser.
     assert "<img" not in event_list([{"kind": HOSTILE, "text": HOSTILE, "wall_s": HOSTILE}])
-    assert "&lt;img" in opened(app, run=learning(app).id).events.object
+    assert "&lt;img" in opened_live(app, run=learning(app).id).events.object
 
 
 # What a person does
@@ -210,7 +188,7 @@ def test_nothing_a_run_says_is_markup(app: AppContext) -> None:
 def test_pause_stop_and_resume_reach_the_run_and_are_seen_in_every_tab(app: AppContext) -> None:
     run = learning(app)
     lock = run.claim()
-    page, other = opened(app, run=run.id), opened(app, run=run.id)
+    page, other = opened_live(app, run=run.id), opened_live(app, run=run.id)
     do(page.act("pause"))
     assert run.pause_requested()
     assert facts(page)["buttons"]["pause"] == {"label": "Pausing …", "off": True}
@@ -228,7 +206,7 @@ def test_pause_stop_and_resume_reach_the_run_and_are_seen_in_every_tab(app: AppC
 
 
 def test_what_is_not_possible_any_more_is_no_crash(app: AppContext) -> None:
-    page = opened(app, run=learning(app, "finished").id)
+    page = opened_live(app, run=learning(app, "finished").id)
     do(page.act("pause"), page.act("nonsense"))
     assert facts(page)["state"] == "finished"
 

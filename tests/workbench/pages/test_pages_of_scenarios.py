@@ -10,7 +10,7 @@ import pytest
 
 from agents.config import TrainingConfig
 from sim.task import task_for
-from tests.workbench.pages.test_live import opened
+from tests.workbench.pages.page_sessions import opened_live
 from workbench import launcher
 from workbench.context import AppContext
 from workbench.estimate import estimate
@@ -107,7 +107,7 @@ def test_the_cost_of_six_stages_is_that_of_six() -> None:
 def test_live_and_runs_say_where_it_learns(app: AppContext) -> None:
     run = app.store.create(TrainingConfig(scenario=SIX, curriculum=True))
     run.write_state(RunState("stopped"))
-    assert json.loads(opened(app, run=run.id).head.facts)["scenario"] == SIX
+    assert json.loads(opened_live(app, run=run.id).head.facts)["scenario"] == SIX
     app.index.look()
     assert run_line(app.index.find()[0], RunsSettings())["task"] == "Curriculum 1–6 · six-missiles"
     names = [task.name for task in stage_tasks(run.config)]
@@ -128,4 +128,4 @@ def test_scenario_files_of_runs_are_on_offer_while_they_can_be_read(app: AppCont
     own.unlink()
     assert str(own) not in scenario_choices(app.store).values()
     assert fly_address(run) == f"/fly?a={run.id}"
-    assert "own.toml" in opened(app, run=run.id).alert.object
+    assert "own.toml" in opened_live(app, run=run.id).alert.object

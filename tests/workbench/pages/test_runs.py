@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import os
-from collections.abc import Callable, Coroutine
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ import pytest
 
 from agents.config import TrainingConfig
 from agents.statistics import bootstrap
+from tests.workbench.pages.page_sessions import do
 from workbench.bench_runs import make_runs
 from workbench.context import AppContext
 from workbench.pages import runs as runs_page
@@ -55,21 +54,6 @@ def opened(app: AppContext, **query: str) -> RunsPage:
     page.settings = read_settings(query)
     do(page.start())
     return page
-
-
-def do(*actions: Callable[[], object] | Coroutine[Any, Any, object]) -> None:
-    """Do these one after the other, each with all it sets off, in a loop as a session has one."""
-
-    async def each() -> None:
-        for action in actions:
-            if isinstance(action, Coroutine):
-                await action
-            else:
-                action()
-            while others := [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]:
-                await asyncio.wait(others, timeout=5.0)
-
-    asyncio.run(each())
 
 
 def put(target: Any, **values: Any) -> None:
