@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomJS, HoverTool, Range1d, Title
+from bokeh.models import ColumnDataSource, CustomJS, GlyphRenderer, HoverTool, Range1d, Title
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
@@ -56,6 +56,8 @@ class SurvivalChart:
     figure: figure
     source: ColumnDataSource
     rings: ColumnDataSource
+    evader: GlyphRenderer
+    """Seen where there is something around it."""
 
     def show(self, shots: Shots, title: str, address: str) -> None:
         """Show a map; a click on a cell opens `address` with `&shot=RANGE,ASPECT` [m, deg] behind it."""
@@ -65,11 +67,13 @@ class SurvivalChart:
             axis.update(start=-1.06 * outmost, end=1.06 * outmost)
         rings = np.arange(RING_KM, outmost, RING_KM)
         self.rings.data = {"radius": rings, "label": [f"{ring:g} km" for ring in rings], "x": rings * 0, "y": -rings}
+        self.evader.visible = True
         self._name(title, [address])
 
     def clear(self, title: str) -> None:
         """Show nothing, and why."""
         self.source.data, self.rings.data = dict(empty(COLUMNS).data), dict(empty(RING_COLUMNS).data)
+        self.evader.visible = False
         self._name(title, [])
 
     def _name(self, title: str, tags: list[str]) -> None:
@@ -96,11 +100,11 @@ def survival_chart(name: str, size: int) -> SurvivalChart:
         "x", "y", "label", source=rings, text_color="white", text_font_size="11px", text_align="center",
         text_baseline="top",
     )  # fmt: skip
-    fig.scatter(0.0, 0.0, marker="triangle", size=13, color="white", line_color="black")
+    evader = fig.scatter(0.0, 0.0, marker="triangle", size=13, color="white", line_color="black", visible=False)
     fig.add_tools(HoverTool(renderers=[cells], tooltips=[("", "@words")], visible=False))
     fig.js_on_event("tap", CustomJS(args={"source": source, "figure": fig}, code=_CLICK))
     add_csv(fig, f"survival-{name}", source)
-    return SurvivalChart(fig, source, rings)
+    return SurvivalChart(fig, source, rings, evader)
 
 
 def cell_columns(shots: Shots) -> dict[str, list]:

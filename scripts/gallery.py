@@ -12,11 +12,8 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from PIL import Image
 
 from workbench.bench_page import browsing, ensure_browser, serving
 from workbench.reproduce.places import ROOT
@@ -28,7 +25,6 @@ if TYPE_CHECKING:
 GALLERY = ROOT / "docs" / "gallery"
 SETTLE_MS = 3000
 """Pictures in three dimensions and curves move into place."""
-COLOURS = 256
 
 
 @dataclass(frozen=True)
@@ -53,7 +49,7 @@ SHOTS = (
     Shot("curriculum", "curriculum?mask=3,4", ".stage", "Curriculum: two missiles masked, and what is left"),
     Shot("live", "live?run={first}", "[aria-label=Trainings]", "Live: a curriculum, stage by stage"),
     Shot("runs", "runs?group=variant&show={all}", ".sheet .row", "Runs: grouped, with curves over each other"),
-    Shot("compare", "compare", "tr.close", "Compare: Fig. 13 for any policies and tasks"),
+    Shot("compare", "compare", "a.shot", "Compare: Fig. 13 for any policies and tasks"),
     Shot("compare-closely", "compare", "a.shot", "Each engagement of a comparison is a click from Fly", 560),
     Shot("paper", "paper", "[data-verdict]", "Paper: which of the paper's points hold here"),
     Shot("paper-table-4", "paper?section=table4", ".part", "Table 4, ours beside the paper's"),
@@ -74,19 +70,10 @@ def take(page: Page, base: str, runs: list[Run]) -> Iterator[tuple[Shot, bytes]]
         page.locator(shot.ready).first.wait_for(state="attached")
         page.wait_for_timeout(SETTLE_MS)
         if shot.scroll_px:
-            page.mouse.move(700, 500)
+            page.mouse.move(700, 880)  # below the replay, whose wheel zooms
             page.mouse.wheel(0, shot.scroll_px)
             page.wait_for_timeout(SETTLE_MS / 3)
         yield shot, page.screenshot()
-
-
-def small(picture: bytes) -> bytes:
-    """The same picture with a palette, a third of the size."""
-    buffer = BytesIO()
-    Image.open(BytesIO(picture)).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(
-        buffer, "PNG", optimize=True
-    )
-    return buffer.getvalue()
 
 
 def write_index() -> None:
@@ -111,7 +98,7 @@ def main(arguments: list[str]) -> int:
         with serving(Path(folder)) as server, browsing(chromium) as page:
             page.goto(server.link)
             for shot, picture in take(page, server.link.partition("?")[0], runs):
-                (GALLERY / f"{shot.name}.png").write_bytes(small(picture))
+                (GALLERY / f"{shot.name}.png").write_bytes(picture)
                 print(f"{shot.name}.png")
     write_index()
     return 0

@@ -97,7 +97,7 @@ def _other(settings: CompareSettings, policy: str) -> str:
 def _no_map(cell: Cell, label: str) -> str:
     if not cell.task.missiles:
         return "No missile flies in this task"
-    return f"{label} cannot fly this task" if cell.entry.blind else f"Mapping where {label} survives …"
+    return f"{label} cannot fly this task" if cell.entry.blind else "Mapping where it survives …"
 
 
 def _waiting(sentence: str) -> str:
