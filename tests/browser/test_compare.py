@@ -12,6 +12,7 @@ from playwright.sync_api import Page, expect
 
 from agents.evaluation import evaluate
 from sim.task import task_for
+from tests.browser.places import box_of
 from tests.conftest import Served
 from workbench.policies import resolve_policy
 
@@ -69,8 +70,7 @@ def test_a_small_picture_flies_exactly_that_engagement(comparing: Page) -> None:
 def test_a_click_on_the_map_flies_that_shot(comparing: Page) -> None:
     surface = comparing.locator(".bk-Figure").nth(3)
     expect(surface).to_be_visible()
-    box = surface.bounding_box()
-    assert box is not None
+    box = box_of(surface)
     # A little in front of the nose: nobody survives that.
     surface.click(position={"x": box["width"] / 2, "y": 0.5 * box["height"] - 0.02 * box["width"]})
     expect(comparing).to_have_url(re.compile(r"/fly\?.*shot=\d+%?"), timeout=SLOW_MS)
@@ -83,8 +83,7 @@ def test_the_address_holds_everything_and_reload_is_immediate(comparing: Page) -
         re.compile(r"policies=expert-dragging%2Cexpert-navigation&tasks=source-3.*episodes=40")
     )
     bars = comparing.locator(".bk-Figure").first
-    box = bars.bounding_box()
-    assert box is not None
+    box = box_of(bars)
     bars.click(position={"x": 0.3 * box["width"], "y": 0.75 * box["height"]})  # the left one: look at it closely
     expect(comparing).to_have_url(re.compile(r"policy=expert-dragging&against=expert-navigation"), timeout=SLOW_MS)
     before = comparing.locator("tr.close").inner_text()

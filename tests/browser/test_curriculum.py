@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from agents.config import TrainingConfig
+from tests.browser.places import box_of
 from tests.conftest import Served
 from workbench.launcher import cpu_count
 from workbench.run_state import RunState
@@ -71,8 +72,7 @@ def _says(words: str) -> re.Pattern[str]:
 
 
 def _drag(page: Page, what: Locator, where: Locator) -> None:
-    start, end = what.bounding_box(), where.bounding_box()
-    assert start and end
+    start, end = box_of(what), box_of(where)
     page.mouse.move(start["x"] + 20, start["y"] + 20)
     page.mouse.down()
     page.mouse.move(start["x"] + 60, start["y"] + 25, steps=3)
@@ -145,6 +145,6 @@ def test_nothing_sticks_out_of_a_narrow_or_a_wide_window(
     _open(person, workbench, "?scenario=six-missiles&order=1,2,3,4,5,6&theme=default")
     expect(_stages(person)).to_have_count(6)
     for part in (_stages(person).first, _stages(person).last, person.get_by_role("button", name="Launch")):
-        box = part.bounding_box()
-        assert box and box["x"] >= 0 and box["x"] + box["width"] <= width
+        box = box_of(part)
+        assert box["x"] >= 0 and box["x"] + box["width"] <= width
     assert person.evaluate("document.scrollingElement.scrollWidth <= innerWidth")

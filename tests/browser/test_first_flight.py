@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
+from tests.browser.places import box_of
 from tests.conftest import Served
 
 REPLAY = "iframe[title='3-D replay of both flights']"
@@ -38,8 +39,7 @@ def _colours_near(picture: NDArray[np.int16], colour: tuple[int, int, int]) -> i
 def _drag_clock(person: Page, share: float) -> None:
     """Drag the thumb of the one clock to a share of its track, with the mouse."""
     rail = person.locator(".clock .rail")
-    box = rail.bounding_box()
-    assert box is not None
+    box = box_of(rail)
     at = float(rail.input_value()) / float(rail.get_attribute("max") or 1)
     y = box["y"] + box["height"] / 2
     person.mouse.move(box["x"] + 8 + at * (box["width"] - 16), y)

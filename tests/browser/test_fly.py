@@ -6,6 +6,7 @@ import re
 
 from playwright.sync_api import Page, expect
 
+from tests.browser.places import box_of
 from tests.conftest import Served
 
 SLOW_MS = 90_000
@@ -95,15 +96,13 @@ def test_a_curve_sets_the_clock_and_both_flights_share_a_figure_if_wished(visito
     expect(figures).to_have_count(1)
     expect(visitor.get_by_role("button", name="Top", exact=True)).to_have_attribute("aria-pressed", "true")
     figures.first.scroll_into_view_if_needed()
-    box = figures.first.bounding_box()
-    assert box is not None
+    box = box_of(figures.first)
     place = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     visitor.mouse.click(*place)
     now = visitor.locator(".clock .now")
     expect(now).not_to_have_text("0:00")
     # The clock's line stands where the curve was clicked.
-    line = figures.first.locator("i[aria-hidden]").first.bounding_box()
-    assert line is not None
+    line = box_of(figures.first.locator("i[aria-hidden]").first)
     assert abs(line["x"] - place[0]) < 3
     visitor.get_by_role("button", name="Side by side").click()
     expect(figures).to_have_count(2)

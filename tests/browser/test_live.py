@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from agents.config import TrainingConfig
+from tests.browser.places import box_of
 from tests.conftest import Served
 from workbench.run_files import append_line
 from workbench.run_state import RunState
@@ -145,8 +146,7 @@ def test_one_moment_is_shown_by_all_panels(person: Page, workbench: Served, lear
     expect(person.get_by_text("Point at a curve")).to_be_visible()
     canvas = person.locator(".bk-Figure").first
     expect(canvas).to_be_visible()
-    box = canvas.bounding_box()
-    assert box
+    box = box_of(canvas)
     deadline = time.monotonic() + 60
     while not person.get_by_text("environment steps [million] · source-2").is_visible() and time.monotonic() < deadline:
         for share in (0.5, 0.6):
@@ -230,8 +230,8 @@ def test_nothing_sticks_out_of_a_narrow_or_a_wide_window(
     expect(_chain(person)).to_have_count(4)
     expect(person.locator(".bk-Figure").last).to_be_attached()
     for part in (_chain(person).last, person.get_by_role("button", name="Notify me"), person.get_by_text("All runs")):
-        box = part.bounding_box()
-        assert box and box["x"] >= 0 and box["x"] + box["width"] <= width
+        box = box_of(part)
+        assert box["x"] >= 0 and box["x"] + box["width"] <= width
     assert person.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
 
 
