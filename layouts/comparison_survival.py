@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from bokeh.models import ColumnDataSource, CustomJS, GlyphRenderer, HoverTool, Range1d, Title
 from bokeh.plotting import figure
-from matplotlib.colors import to_hex
 
 from layouts.chart import add_csv, empty, plain
-from layouts.envelope import SURVIVAL, Values, edges
+from layouts.survival import Values, edges, survival_colour
 
 COLUMNS = (
     "launch_range_km", "aspect_deg", "survived", "closest_m", "inner", "outer", "start", "end", "colour", "words",
@@ -119,7 +118,7 @@ def cell_columns(shots: Shots) -> dict[str, list]:
             inner = max(float(outward[i]), 0.0)
             rows.append(
                 (distance_m / 1e3, float(aspect), share, miss_m, inner, float(outward[i + 1]), *angles,
-                 to_hex(SURVIVAL(share)), words)
+                 survival_colour(share), words)
             )  # fmt: skip
     return {name: [row[k] for row in rows] for k, name in enumerate(COLUMNS)}
 

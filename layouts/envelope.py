@@ -18,15 +18,11 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
+
+from layouts.survival import SHOT_DOWN, STOPS, SURVIVED, Values, edges
 
 Format = Literal["png", "svg"]
-Values = NDArray[np.float64]
-
-SHOT_DOWN = "#e69f00"
-SURVIVED = "#1f5fa8"
-"""Orange and blue stay apart for every kind of colour vision, and in grey: one is light, the other dark."""
-SURVIVAL = LinearSegmentedColormap.from_list("survival", [SHOT_DOWN, "#f3f1ec", SURVIVED])
+SURVIVAL = LinearSegmentedColormap.from_list("survival", STOPS)
 
 INK, FAINT = "#20242b", "#5b6470"
 SIZE_IN, DPI = (6.4, 6.6), 120
@@ -84,12 +80,6 @@ def picture(figure: Figure, kind: Format) -> bytes:
     with matplotlib.rc_context({"svg.hashsalt": "envelope"}):
         figure.savefig(content, format=kind, dpi=DPI, metadata=metadata)
     return content.getvalue()
-
-
-def edges(centres: Values) -> Values:
-    """Borders `[n + 1]` of cells with these ascending centres `[n]`: half way between neighbours."""
-    middles = (centres[1:] + centres[:-1]) / 2.0
-    return np.concatenate([[2.0 * centres[0] - middles[0]], middles, [2.0 * centres[-1] - middles[-1]]])
 
 
 def _page(title: str, caption: str, *, polar: bool) -> tuple[Figure, Axes]:

@@ -3,29 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from layouts.azimuth import HALF_TURN_DEG, wrap_gaps
+from layouts.paper_panels import AzimuthPanel
 from layouts.paper_sheet import INK, name, plain, sheet
 from layouts.theme import NEUTRAL, ink_dash, missile_colour
 
 SIZE_IN = (11.6, 4.6)
-
-
-@dataclass(frozen=True)
-class AzimuthPanel:
-    """One policy's engagement."""
-
-    title: str
-    time_s: NDArray[np.float64]
-    """`[T]`."""
-    azimuth_deg: dict[int, NDArray[np.float64]]
-    """Missile -> `[T]` azimuth off the nose, left positive; NaN while it is not in flight."""
 
 
 def azimuth_figure(panels: Sequence[AzimuthPanel], caption: str) -> Figure:

@@ -8,7 +8,7 @@ from bokeh.plotting import figure
 
 from layouts.azimuth import HALF_TURN_DEG, wrap_gaps
 from layouts.chart import add_csv, add_lines, dotted, plain
-from layouts.paper_azimuth import AzimuthPanel
+from layouts.paper_panels import AzimuthPanel
 from layouts.theme import missile_colour
 
 HEIGHT = 330

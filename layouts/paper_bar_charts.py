@@ -8,8 +8,8 @@ from bokeh.models import ColumnDataSource, FixedTicker, HoverTool, Range1d
 from bokeh.plotting import figure
 
 from layouts.chart import add_csv, plain
-from layouts.paper_bars import WIDTH, Bars
-from layouts.paper_sheet import ink
+from layouts.paper_inks import ink
+from layouts.paper_panels import WIDTH, Bars
 from layouts.theme import NEUTRAL
 
 HEIGHT = 320

@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from layouts.paper_sheet import FAINT, INK, ink, plain, sheet
+from layouts.paper_inks import ink
+from layouts.paper_panels import WIDTH, Bars
+from layouts.paper_sheet import FAINT, INK, plain, sheet
 
 SIZE_IN = (11.6, 4.9)
-WIDTH = 0.38
-"""Of one bar; tasks are 1 apart."""
-
-
-@dataclass(frozen=True)
-class Bars:
-    """One policy, or one per task, over all tasks; None where there is no number yet."""
-
-    algorithm: str
-    label: str
-    returns: Sequence[float | None]
-    success: Sequence[float | None]
-    interval: Sequence[tuple[float, float] | None]
-    """95 % interval of the success rate."""
 
 
 def policy_bars(

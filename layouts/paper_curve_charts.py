@@ -9,8 +9,8 @@ from bokeh.models import ColumnDataSource, GlyphRenderer, HoverTool, Range1d
 from bokeh.plotting import figure
 
 from layouts.chart import add_csv, plain
-from layouts.paper_curves import Band, Panel
-from layouts.paper_sheet import ink
+from layouts.paper_inks import ink
+from layouts.paper_panels import Band, Panel
 
 HEIGHT = 236
 MILLION = 1e6

@@ -3,44 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
-from layouts.paper_sheet import FAINT, INK, ink, name, plain, sheet
-
-Values = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Band:
-    """One algorithm in one panel: its seeds, their summary over T times, and the interval of that."""
-
-    algorithm: str
-    label: str
-    steps: Values
-    """`[T]` environment steps."""
-    value: Values
-    low: Values
-    high: Values
-    """`[T]`; NaN where there is no interval."""
-    seeds: tuple[tuple[Values, Values], ...]
-    """Steps and values of every single seed."""
-    seed_names: tuple[str, ...] = ()
-    """How each of them is called where a pointer asks."""
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One task: what the algorithms reach in it."""
-
-    title: str
-    returns: tuple[Band, ...]
-    success: tuple[Band, ...]
+from layouts.paper_inks import ink
+from layouts.paper_panels import Band, Panel
+from layouts.paper_sheet import FAINT, INK, name, plain, sheet
 
 
 def ablation_figure(panels: Sequence[Panel], caption: str) -> Figure:

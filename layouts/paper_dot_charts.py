@@ -10,7 +10,7 @@ from bokeh.models import ColumnDataSource, FixedTicker, HoverTool, Range1d
 from bokeh.plotting import figure
 
 from layouts.chart import add_csv, plain
-from layouts.paper_sheet import ink
+from layouts.paper_inks import ink
 from layouts.theme import NEUTRAL
 
 ROW_HEIGHT = 36

@@ -12,29 +12,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from layouts.theme import FAILURE, NEUTRAL, POLICY_A, POLICY_B, SUCCESS, missile_colour
-
 INK, FAINT, GRID = "#1f2733", "#5b6470", "#d5dbe4"
 DPI = 120
 SALT = "paper"
-
-INKS = {
-    "submas": POLICY_A,
-    "wo-pd": FAILURE,
-    "wo-pr": missile_colour(1),
-    "dec-pd": SUCCESS,
-    "dec-pr": POLICY_B,
-    "td3": POLICY_B,
-    "ppo": missile_colour(1),
-    "sac": SUCCESS,
-    "expert": SUCCESS,
-}
-"""Ink of an algorithm; blue and green for SubMas-RL and the expert are the paper's own (Fig. 13)."""
-
-
-def ink(algorithm: str) -> str:
-    """Ink of an algorithm; grey for one without."""
-    return INKS.get(algorithm, NEUTRAL)
 
 
 def sheet(title: str, caption: str, size_in: tuple[float, float]) -> Figure:

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from layouts.envelope import SHOT_DOWN, SURVIVED, Scale, edges, grid_map, picture, polar_map
+from layouts.envelope import Scale, grid_map, picture, polar_map
+from layouts.survival import SHOT_DOWN, SURVIVED, edges
 from layouts.theme import rgb
 
 RANGES = np.linspace(5e3, 60e3, 12)

@@ -7,14 +7,12 @@ import pytest
 from bokeh.models import GlyphRenderer
 from bokeh.plotting import figure
 
-from layouts.paper_azimuth import AzimuthPanel
 from layouts.paper_azimuth_charts import azimuth_chart
 from layouts.paper_bar_charts import bar_charts
-from layouts.paper_bars import Bars
 from layouts.paper_curve_charts import curve_charts, return_range, show_only
-from layouts.paper_curves import Band, Panel
 from layouts.paper_dot_charts import DotRow, dot_chart
 from layouts.paper_map import MapTrack, map_picture
+from layouts.paper_panels import AzimuthPanel, Band, Bars, Panel
 from layouts.theme import missile_colour
 
 STEPS = np.array([1e6, 2e6])

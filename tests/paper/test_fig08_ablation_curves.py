@@ -12,8 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
 
-from layouts.paper_curves import Band, Panel, ablation_figure
-from layouts.paper_sheet import ink, picture
+from layouts.paper_curves import ablation_figure
+from layouts.paper_inks import ink
+from layouts.paper_panels import Band, Panel
+from layouts.paper_sheet import picture
 from tests.workbench.reproduce.samples import made
 from workbench.reproduce.pictures import draw, source_of
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from layouts.paper_curves import Panel, baseline_figure
-from layouts.paper_sheet import ink
+from layouts.paper_curves import baseline_figure
+from layouts.paper_inks import ink
+from layouts.paper_panels import Panel
 from tests.paper.test_fig08_ablation_curves import band, lines_of, texts
 from tests.workbench.reproduce.samples import made
 from workbench.reproduce.pictures import draw

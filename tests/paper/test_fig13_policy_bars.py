@@ -10,8 +10,9 @@ import pytest
 from matplotlib.patches import Rectangle
 from PIL import Image
 
-from layouts.paper_bars import Bars, policy_bars
-from layouts.paper_sheet import ink
+from layouts.paper_bars import policy_bars
+from layouts.paper_inks import ink
+from layouts.paper_panels import Bars
 from tests.workbench.reproduce.samples import made
 from workbench.reproduce.pictures import draw
 from workbench.reproduce.scorecard import complete, scorecard

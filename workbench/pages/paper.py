@@ -14,7 +14,7 @@ import panel_material_ui as pmui
 from bokeh.models import ColumnDataSource
 
 from layouts.paper_curve_charts import show_only
-from layouts.paper_sheet import ink
+from layouts.paper_inks import ink
 from workbench.context import AppContext
 from workbench.pages.address import read_query, write_query
 from workbench.pages.paper_chips import AlgorithmChips

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from workbench.reproduce.number_csv import csv_text, curves_csv_text
-from workbench.reproduce.pictures import picture_of
 from workbench.reproduce.result_file import to_text
 from workbench.reproduce.result_set import ResultSet
 
@@ -19,8 +20,13 @@ def file_of(result: ResultSet, kind: str) -> File | None:
         return f"{result.item}-curves.csv", "text/csv", curves_csv_text(result).encode()
     if kind == "json":
         return f"{result.item}.json", "application/json", to_text(result).encode()
-    if kind == "png" and (picture := picture_of(result, "png")) is not None:
-        return f"{result.item}.png", "image/png", picture
-    if kind == "svg" and (picture := picture_of(result, "svg")) is not None:
-        return f"{result.item}.svg", "image/svg+xml", picture
-    return None
+    return _picture(result, kind) if kind in ("png", "svg") else None
+
+
+def _picture(result: ResultSet, kind: Literal["png", "svg"]) -> File | None:
+    # Matplotlib takes half a second to load, which the page would wait for and most visitors need not.
+    from workbench.reproduce.pictures import picture_of
+
+    content = picture_of(result, kind)
+    media = {"png": "image/png", "svg": "image/svg+xml"}[kind]
+    return None if content is None else (f"{result.item}.{kind}", media, content)

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from layouts.paper_azimuth import AzimuthPanel
-from layouts.paper_bars import Bars
-from layouts.paper_curves import Band, Panel
+from layouts.paper_panels import AzimuthPanel, Band, Bars, Panel
 from workbench.reproduce.plan import CHAIN
 from workbench.reproduce.protocol import LABELS, TASK_LABELS, TRAINED_FOR
 from workbench.reproduce.result_set import Curve, ResultSet

@@ -77,7 +77,8 @@ def test_without_a_shared_win_there_is_no_flight_and_no_picture(
 
 
 def test_the_picture_breaks_curves_that_wrap(tmp_path: Path) -> None:
-    from layouts.paper_azimuth import AzimuthPanel, azimuth_figure
+    from layouts.paper_azimuth import azimuth_figure
+    from layouts.paper_panels import AzimuthPanel
 
     kept = flight("submas")
     angles = {m.number: np.array([np.nan if a is None else a for a in m.azimuth_deg]) for m in kept.missiles}
