@@ -16,7 +16,7 @@ from layouts.animation_curves import QUIET, SOFT
 from layouts.animation_scene import Lines, draw_ends, field_corners, field_lines, path_lines, sight_lines, solids
 from layouts.animation_stage import HEIGHT, WIDTH, Stage, stages_of
 from layouts.animation_time import frame_times
-from layouts.captions import clock_text, distance_text, outcome_text, policy_text
+from layouts.captions import clock_text, distance_text, name_text, outcome_text
 from layouts.picture_text import picture_text
 from layouts.theme import DARK, FAILURE, SUCCESS, Rgb, missile_colour
 from sim.trajectory import Trajectory
@@ -29,17 +29,20 @@ HOLD_S = 2.0
 """The last picture stays so long, so that the outcome can be read."""
 
 BRIGHT = "#e6ecf5"
-NAME_LENGTH = {1: 84, 2: 36}
+NAME_LENGTH = {1: 84, 2: 36, 3: 34}
+NAME_POINTS = {1: 13.0, 2: 13.0, 3: 9.5}
+"""Characters of a name and their size, by how many flights share the picture."""
+
 Picture = NDArray[np.uint8]
 
 
 def pictures(flights: Sequence[Trajectory], seconds: float, per_s: int, height: int) -> Iterator[Picture]:
-    """The frames [height, width, 3] of an animation of one or two flights, `frame_count` of them.
+    """The frames [height, width, 3] of an animation of up to three flights, `frame_count` of them.
 
     Most of them show the time in which missiles fly, and none runs slower than life.
 
     Args:
-        flights: one flight, or two from the same initial state, side by side.
+        flights: one flight, or up to three from the same initial state, side by side.
         seconds: longest duration of the animation, with the time in which the last picture is held.
         per_s: pictures per second.
         height: of a picture [pixels]; the width is 16/9 of it.
@@ -80,8 +83,8 @@ class Film:
         for stage in stages:
             _draw_header(self._axes, stage, len(stages))
             stage.plot.draw_frame(self._axes, "missile azimuth [deg]")
-        if len(stages) > 1:
-            self._axes.plot([WIDTH / 2] * 2, [14, HEIGHT - 74], color=SOFT, linewidth=1)
+        for stage in stages[1:]:
+            self._axes.plot([stage.panel.left] * 2, [14, HEIGHT - 74], color=SOFT, linewidth=1)
         self._canvas.draw()
         self._still = self._canvas.copy_from_bbox(self._figure.bbox)
         self._lines = self._axes.add_collection(LineCollection([], capstyle="round", joinstyle="round"), autolim=False)
@@ -157,7 +160,7 @@ class Film:
         """The missiles in flight with their distance, and the outcome once it is there."""
         flight, panel = stage.flight, stage.panel
         over = time_s >= flight.duration_s - 1e-9
-        words = outcome_text(flight) if over else "flying"
+        words = outcome_text(flight) if over else _flying_text(flight, time_s)
         ink = (SUCCESS if flight.success else FAILURE) if over else QUIET
         self._write(panel.left + 22, HEIGHT - 49, words, ink, 11.0, weight="bold" if over else "normal")
         row = panel.bottom + 12
@@ -182,18 +185,25 @@ class Film:
         artist.remove()
 
 
+def _flying_text(flight: Trajectory, time_s: float) -> str:
+    """A branch is its original until it leaves it."""
+    left = flight.departure
+    return "flying" if left is None or time_s >= left.time_s else f"flying as {left.of} did"
+
+
 def _draw_header(axes: Axes, stage: Stage, count: int) -> None:
     from matplotlib.patches import Rectangle
 
     left = stage.panel.left
     axes.add_patch(Rectangle((left + 10, HEIGHT - 56), 4, 44, color=stage.colour, linewidth=0))
-    name = policy_text(stage.flight)
+    name = name_text(stage.flight, beside=count > 1)
     limit = NAME_LENGTH[count]
     name = name if len(name) <= limit else f"… {name[2 - limit :]}"
     words, families = picture_text(f"{stage.letter} · {name}" if stage.letter else name)
     axes.text(
-        left + 22, HEIGHT - 29, words, fontsize=13, color=BRIGHT, weight="bold", parse_math=False, family=families
-    )
+        left + 22, HEIGHT - 29, words, fontsize=NAME_POINTS[count], color=BRIGHT, weight="bold", parse_math=False,
+        family=families,
+    )  # fmt: skip
 
 
 def _share(ink: Rgb) -> tuple[float, float, float]:

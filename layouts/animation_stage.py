@@ -14,8 +14,8 @@ from layouts.animation_scene import Flyer, field_corners, flyers
 from layouts.animation_time import engaged
 from layouts.battlefield import EXAGGERATION
 from layouts.flight_figure import engagement_s
+from layouts.letters import evader_inks, letters
 from layouts.motion import KM
-from layouts.theme import POLICY_A, POLICY_B
 from sim.trajectory import Trajectory
 
 WIDTH, HEIGHT = 1280, 720
@@ -24,8 +24,6 @@ HEADER, CURVES = 66, 196
 
 YAW_RAD, TILT_RAD = (0.0, -0.62), (0.66, 0.72)
 """Direction of the camera: for one wide view, and for two that stand beside each other."""
-
-INKS = (POLICY_A, POLICY_B)
 
 
 @dataclass(frozen=True)
@@ -42,17 +40,17 @@ class Stage:
 
 
 def stages_of(flights: Sequence[Trajectory], times: NDArray[np.float64], per_s: int) -> list[Stage]:
-    """The stages of one flight, or of two side by side, for pictures at these times [s], `per_s` a second."""
+    """The stages of one flight, or of several side by side, for pictures at these times [s], `per_s` a second."""
     count = len(flights)
     windows = [engagement_s(flight) for flight in flights]
     window = min(low for low, _ in windows), max(high for _, high in windows)
     width = WIDTH / count
     made = []
-    for number, flight in enumerate(flights):
+    named = zip(flights, letters(flights), evader_inks(flights), strict=True)
+    for number, (flight, letter, colour) in enumerate(named):
         left = number * width
         panel = Panel(left, CURVES, width, HEIGHT - HEADER - CURVES)
         plot = AzimuthPlot(flight, Panel(left + 56, 38, width - 80, CURVES - 72), window)
-        colour, letter = INKS[number], "AB"[number] if count > 1 else ""
         bodies = flyers(flight, colour)
         made.append(Stage(flight, letter, colour, panel, plot, bodies, _cameras(flight, bodies, panel, times, per_s)))
     return made

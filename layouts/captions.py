@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from sim.trajectory import Trajectory
+from sim.trajectory import Departure, Trajectory
 from sim.world import Outcome
 
 
@@ -17,6 +17,17 @@ def caption(flight: Trajectory) -> str:
 def policy_text(flight: Trajectory) -> str:
     """The policy's name without what no file and no picture can hold: it may be the name of somebody's file."""
     return "".join(c if c.isprintable() else "�" for c in flight.policy)
+
+
+def name_text(flight: Trajectory, beside: bool) -> str:
+    """Who flies; of a branch `beside` the flight that it left only who flew on, and when."""
+    left = flight.departure
+    return f"from {clock_text(left.time_s)} {flown_on_text(left)}" if beside and left else policy_text(flight)
+
+
+def flown_on_text(left: Departure) -> str:
+    """Who flew on: a person, a policy, or one after the other."""
+    return ", then ".join(["by hand"] * bool(left.headings_deg) + [left.then or "heading held"])
 
 
 def outcome_text(flight: Trajectory) -> str:

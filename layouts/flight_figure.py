@@ -138,6 +138,7 @@ def _legend(figure: Figure, flight: Trajectory) -> None:
     inks |= {f"missile {number}": missile_colour(number) for number in flight.task.missiles} | {"exit gate": GATE}
     entries = [Line2D([], [], color=colour, linewidth=2.5, label=name) for name, colour in inks.items()]
     shapes = {"launch": "launch", "closest": "closest", "evaded": "evaded, start", "shot_down": "hit"}
+    shapes |= {"branch": "branch"} if flight.departure else {}
     entries += [
         Line2D([], [], color=INK, marker=SHAPES[kind], linestyle="", markersize=6, label=words,
                markerfacecolor="white" if kind == "evaded" else INK)

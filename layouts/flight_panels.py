@@ -13,7 +13,7 @@ from layouts.map2d import KM, MARGIN, map_columns, mark_columns
 from layouts.ranges import range_columns
 from layouts.rewards import GOAL_INK, TIME_INK, reward_columns
 from layouts.speeds import speed_columns
-from layouts.theme import FAILURE, GATE, INTERCEPTOR, NEUTRAL, POLICY_A, SUCCESS, missile_colour
+from layouts.theme import BRANCH, FAILURE, GATE, INTERCEPTOR, NEUTRAL, POLICY_A, SUCCESS, missile_colour
 from sim.scenario import Battlefield
 from sim.trajectory import Event, Trajectory
 
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 INK = "#1f2733"
-SHAPES = {"launch": "v", "closest": "D", "evaded": "o", "shot_down": "X"}
+SHAPES = {"launch": "v", "closest": "D", "evaded": "o", "shot_down": "X", "branch": ">"}
 """Marker of an event by its kind; its colour is the missile's, and evaded ones are hollow."""
 
+ENDINGS = {"exit": SUCCESS, "branch": BRANCH}
 _TRACK_STEPS_S = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
 _TRACK_LABELS = 12
 _CURVE: dict[str, Any] = {"linewidth": 1.6, "solid_capstyle": "round", "solid_joinstyle": "round"}
@@ -37,8 +38,8 @@ def body_colour(name: str) -> str:
 
 
 def event_colour(event: Event) -> str:
-    """Ink of an event: its missile's, or that of success or failure."""
-    return missile_colour(event.missile) if event.missile else (SUCCESS if event.kind == "exit" else FAILURE)
+    """Ink of an event: its missile's, or that of a branch, of success or of failure."""
+    return missile_colour(event.missile) if event.missile else ENDINGS.get(event.kind, FAILURE)
 
 
 def draw_map(axes: Axes, flight: Trajectory) -> None:
@@ -55,6 +56,9 @@ def draw_map(axes: Axes, flight: Trajectory) -> None:
         if len(flown):
             x, y = missile.position_m[flown[0], :2] * KM
             draw_mark(axes, x, y, "launch", missile_colour(missile.number))
+    if flight.departure is not None:
+        now = int(np.abs(flight.time_s - flight.departure.time_s).argmin())
+        draw_mark(axes, *(flight.evader.position_m[now, :2] * KM), "branch", BRANCH)
     x_limits, y_limits = (_limits(columns, axis, side * KM) for axis, side in zip("xy", _sides(field), strict=True))
     axes.set(xlabel="x [km]", ylabel="y [km]", xlim=x_limits, ylim=y_limits)
     axes.set_aspect("equal", adjustable="box")

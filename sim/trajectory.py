@@ -53,13 +53,30 @@ class MissileTrack:
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened once: launch, closest, evaded, shot_down, exit, left_field, timeout."""
+    """Something that happened once: launch, closest, evaded, shot_down, exit, left_field, timeout; branch: was left."""
 
     time_s: float
     kind: str
     missile: int
     text: str
     distance_m: float = math.nan
+
+
+@dataclass(frozen=True)
+class Departure:
+    """Where a branch left the flight that it had been until then, and who flew on."""
+
+    of: str
+    """Letter of that flight: A or B."""
+    policy: str
+    """Who flew until then."""
+    time_s: float
+    headings_deg: tuple[int, ...] = ()
+    """Headings flown by hand, one per decision step from then on, 0 to 359 from the x axis to the left."""
+    by_hand_s: float = 0.0
+    """How long they lasted."""
+    then: str = ""
+    """Policy that flew on after them; empty: the last heading was held."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +100,8 @@ class Trajectory:
     events: tuple[Event, ...]
     outcome: Outcome
     killer: int
+    departure: Departure | None = None
+    """Of a branch: where it left its original; None for a flight of its own."""
 
     @property
     def episode_return(self) -> float:

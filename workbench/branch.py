@@ -5,17 +5,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layouts.captions import flown_on_text
 from sim.errors import UsageError
 from sim.geometry import wrap_to_pi
-from sim.trajectory import Act, Trajectory, fly
+from sim.trajectory import Act, Departure, Event, Trajectory, fly
 
 FULL_CIRCLE_DEG = 360
+NAME_LENGTH = 24
+"""Characters of a policy's name, its last ones, in the list of events."""
 LIMIT_RAD = math.pi / 2
 """Largest turning angle of an action (§2.3)."""
 
@@ -87,7 +90,17 @@ def fly_branch(
     """
     check_moment(original, branch)
     decide = _Playback(original.action_rad, branch, act)
-    return fly(original.task, decide, caption(original, branch), original.seed, original.episode, record_every, state)
+    flight = fly(original.task, decide, caption(original, branch), original.seed, original.episode, record_every, state)
+    left = departure(original, branch)
+    events = sorted((*flight.events, *_handings(left, flight.duration_s)), key=lambda event: event.time_s)
+    return replace(flight, departure=left, events=tuple(events))
+
+
+def departure(original: Trajectory, branch: Branch) -> Departure:
+    """Where a branch leaves its original and who flies on, as it stays with the flight."""
+    by_hand_s = len(branch.headings_deg) * original.task.scenario.rules.step_s
+    time_s = moment_s(original, branch)
+    return Departure(branch.of, original.policy, time_s, branch.headings_deg, by_hand_s, branch.policy)
 
 
 def check_moment(original: Trajectory, branch: Branch) -> None:
@@ -104,15 +117,27 @@ def moment_s(original: Trajectory, branch: Branch) -> float:
     return branch.step * original.task.scenario.rules.step_s
 
 
-def branch_letter(of: str) -> str:
-    """How a branch of flight `of` is called on pages: A′ or B′."""
-    return f"{of}′"
+def branch_of(flight: Trajectory) -> Branch | None:
+    """The branch that a flight flew, to be flown again; None for a flight of its own."""
+    left = flight.departure
+    if left is None:
+        return None
+    return Branch(left.of, round(left.time_s / flight.task.scenario.rules.step_s), left.headings_deg, left.then)
 
 
 def caption(original: Trajectory, branch: Branch) -> str:
     """Who flew a branch, as a policy's name in captions and files."""
-    flown_on = ["by hand"] * branch.by_hand + [branch.policy or "heading held"]
-    return f"{original.policy}, from {moment_s(original, branch):g} s {', then '.join(flown_on)}"
+    return f"{original.policy}, from {moment_s(original, branch):g} s {flown_on_text(departure(original, branch))}"
+
+
+def _handings(left: Departure, end_s: float) -> list[Event]:
+    """The moment itself, and that at which a person handed over, as things that happened."""
+    heir = left.then[-NAME_LENGTH:]
+    events = [Event(left.time_s, "branch", 0, f"leaves {left.of}: {'by hand' if left.headings_deg else heir}")]
+    over_s = left.time_s + left.by_hand_s
+    handed = bool(left.headings_deg) and over_s < end_s
+    words = f"handed over to {heir}" if left.then else "heading held"
+    return [*events, Event(over_s, "branch", 0, words)] if handed else events
 
 
 def turn_towards(heading_deg: int, observation: NDArray[Any]) -> float:

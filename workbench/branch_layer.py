@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from layouts.branch_bodies import LiveBodies
 from layouts.branch_scene import add_branch
+from layouts.letters import branch_letter
 from layouts.motion import Motion
 from layouts.scene import FlightScene
 from layouts.scene_bodies import Additions
 from layouts.theme import BRANCH, Mode, ground
 from sim.scenario import Battlefield
 from sim.trajectory import Trajectory
-from workbench.branch import branch_letter
 from workbench.branch_stick import Stick
 
 if TYPE_CHECKING:

@@ -19,15 +19,42 @@ export function render({model}) {
   root.append(open, menu, bar, told)
   let count = 0
 
-  for (const choice of model.choices) {
-    const entry = document.createElement("button")
-    entry.type = "button"
-    entry.setAttribute("role", "menuitem")
-    const kind = document.createElement("b")
-    kind.textContent = choice.kind
-    entry.append(kind, ` ${choice.words}`)
-    entry.onclick = () => { show(false); count += 1; model.asked = [choice.suffix, choice.who, count] }
-    menu.append(entry)
+  function make(tag, parent, words = "") {
+    const node = document.createElement(tag)
+    node.textContent = words
+    parent.append(node)
+    return node
+  }
+
+  function entry(parent, choice, who, words) {
+    const button = make("button", parent, words)
+    button.type = "button"
+    button.setAttribute("role", "menuitem")
+    button.onclick = () => { show(false); count += 1; model.asked = [choice.suffix, who, count] }
+    return button
+  }
+
+  function list() {
+    menu.replaceChildren()
+    const [last, ...first] = [...model.who].reverse()
+    make("p", menu, `${first.reverse().join(", ")} and ${last} on one clock`)
+    for (const choice of model.choices.filter((one) => one.all)) {
+      const button = entry(menu, choice, "all", "")
+      make("b", button, choice.kind)
+      button.append(` ${choice.words}`)
+    }
+    make("p", menu, "One flight")
+    for (const choice of model.choices.filter((one) => !one.all)) {
+      const row = make("div", menu)
+      row.className = "row"
+      make("b", row, choice.kind)
+      make("span", row, choice.words)
+      for (const who of model.who) {
+        const button = entry(row, choice, who, who)
+        button.title = `${choice.words} of ${who}`
+        button.setAttribute("aria-label", `${who} · ${choice.kind}: ${choice.words}`)
+      }
+    }
   }
 
   function show(on) {
@@ -37,7 +64,7 @@ export function render({model}) {
   }
 
   function draw() {
-    open.disabled = !model.ready || model.share >= 0
+    open.disabled = !model.who.length || model.share >= 0
     bar.hidden = model.share < 0
     bar.value = Math.max(model.share, 0)
     told.textContent = model.busy
@@ -57,17 +84,19 @@ export function render({model}) {
   open.onclick = () => show(menu.hidden)
   root.onkeydown = (event) => {
     if (event.key === "Escape") { show(false); open.focus() }
-    const step = {ArrowDown: 1, ArrowUp: -1}[event.key]
+    const step = {ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1}[event.key]
     if (!step || menu.hidden) { return }
     event.preventDefault()
     event.stopPropagation()
-    const entries = [...menu.children], here = entries.indexOf(event.composedPath()[0])
+    const entries = [...menu.querySelectorAll("button")], here = entries.indexOf(event.composedPath()[0])
     entries[(here + step + entries.length) % entries.length].focus()
   }
   document.addEventListener("pointerdown", outside)
-  model.on(["busy", "share", "ready"], draw)
+  model.on(["busy", "share", "who"], draw)
+  model.on("who", list)
   model.on("file", save)
   model.on("remove", () => document.removeEventListener("pointerdown", outside))
+  list()
   draw()
   return root
 }

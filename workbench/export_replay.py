@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from layouts.battlefield import EXAGGERATION, drawing_scale
 from layouts.cameras import AHEAD_KM, FIELD_OF_VIEW_RAD, LOOKBACK_S, TOP_TILT_RAD
-from layouts.captions import caption, closest_miss_m, distance_text, outcome_text, policy_text
+from layouts.captions import caption, closest_miss_m, distance_text, name_text, outcome_text, policy_text
 from layouts.flight_figure import engagement_s
 from layouts.flight_panels import event_colour
+from layouts.letters import LETTERS, evader_inks, letters
 from layouts.meshes import Mesh, aircraft, missile
 from layouts.scene import AIRCRAFT_KM, MISSILE_KM
 from layouts.theme import (
@@ -24,8 +25,6 @@ from layouts.theme import (
     GATE,
     INTERCEPTOR,
     LIGHT,
-    POLICY_A,
-    POLICY_B,
     Ground,
     missile_colour,
 )
@@ -41,21 +40,20 @@ Higher than on a page, so that missiles behind it are seen apart."""
 AIRCRAFT_SAMPLE_S, MISSILE_SAMPLE_S = 0.5, 0.1
 """Spacing of what is kept of a path; straight lines between stay within some metres of it."""
 
-INKS = (POLICY_A, POLICY_B)
 VERSIONS = ("submas-workbench", "warp-lang", "numpy")
 
 
 def title_of(flights: Sequence[Trajectory]) -> str:
     """Who flew what, in one line."""
-    return caption(flights[0]) if len(flights) == 1 else f"{policy_text(flights[0])} and {caption(flights[1])}"
+    *first, last = flights
+    return " and ".join([*map(policy_text, first), caption(last)])
 
 
 def replay_record(flights: Sequence[Trajectory]) -> dict[str, Any]:
-    """One or two flights of one scenario as JSON: positions in metres, angles in degrees, times in seconds."""
+    """Flights of one scenario as JSON: positions in metres, angles in degrees, times in seconds."""
     field = flights[0].task.scenario.battlefield
     windows = [engagement_s(flight) for flight in flights]
     duration_s = max(flight.duration_s for flight in flights)
-    letters = ("A", "B") if len(flights) > 1 else ("",)
     highest_m = max(float(np.nanmax(flight.evader.position_m[:, 2])) for flight in flights)
     return {
         "format": FORMAT,
@@ -75,7 +73,7 @@ def replay_record(flights: Sequence[Trajectory]) -> dict[str, Any]:
         "grounds": {"dark": _ground(DARK), "light": _ground(LIGHT)},
         "inks": {"gate": GATE, "failure": FAILURE},
         "meshes": {"aircraft": _mesh(aircraft()), "missile": _mesh(missile())},
-        "flights": [_flight(*each) for each in zip(flights, letters, INKS, strict=False)],
+        "flights": [_flight(*each) for each in zip(flights, letters(flights), evader_inks(flights), strict=True)],
     }
 
 
@@ -97,6 +95,8 @@ def _flight(flight: Trajectory, letter: str, ink: str) -> dict[str, Any]:
     miss_m = closest_miss_m(flight)
     return {
         "letter": letter,
+        "name": name_text(flight, beside=bool(letter)),
+        **_branch(flight, letter),
         "facts": facts(flight),
         "success": flight.success,
         "outcome": outcome_text(flight),
@@ -108,6 +108,12 @@ def _flight(flight: Trajectory, letter: str, ink: str) -> dict[str, Any]:
             for e in flight.events
         ],
     }
+
+
+def _branch(flight: Trajectory, letter: str) -> dict[str, Any]:
+    """On the field of which flight (0, 1) a branch is drawn, and from when on; alone, a flight is drawn whole."""
+    left = flight.departure if letter else None
+    return {"branch_of": LETTERS.index(left.of), "branch_s": _short(left.time_s)} if left else {"branch_of": None}
 
 
 def _missile(flight: Trajectory, track: MissileTrack, scale: float) -> dict[str, Any]:

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from layouts.animation import frame_count, pictures
-from layouts.animation_stage import INKS
 from layouts.captions import caption
-from layouts.theme import DARK, FAILURE, GATE, INTERCEPTOR, SUCCESS, missile_colour, rgb
+from layouts.theme import BRANCH, DARK, FAILURE, GATE, INTERCEPTOR, POLICY_A, POLICY_B, SUCCESS, missile_colour, rgb
 from sim.errors import SubMasError
 from sim.trajectory import Trajectory
 
@@ -67,17 +66,22 @@ def gif_bytes(flights: Sequence[Trajectory], update: Update) -> bytes:
     first, *rest = frames
     first.save(
         buffer, "gif", save_all=True, append_images=rest, duration=1000 // GIF_PER_S, loop=0, optimize=False,
-        disposal=1, comment=caption(flights[-1]).encode(),
+        disposal=1, comment=_title(flights).encode(),
     )  # fmt: skip
     return buffer.getvalue()
+
+
+def _title(flights: Sequence[Trajectory]) -> str:
+    """What the file shows, for its metadata; pictures alone do not say who left whom when."""
+    return " | ".join(caption(flight) for flight in flights)
 
 
 def _palette() -> Image.Image:
     """Every ink of the pictures in steps towards the grounds it lies on: the same colours in all pictures."""
     from PIL import Image
 
-    inks = [*INKS, INTERCEPTOR, GATE, SUCCESS, FAILURE, *(missile_colour(number) for number in range(1, 9))]
-    inks += ["#e6ecf5", "#9aa7ba", "#ff963c", "#293446"]
+    inks = [POLICY_A, POLICY_B, BRANCH, INTERCEPTOR, GATE, SUCCESS, FAILURE]
+    inks += [*(missile_colour(number) for number in range(1, 9)), "#e6ecf5", "#9aa7ba", "#ff963c", "#293446"]
     shares = np.linspace(0.12, 1.0, 12)[:, None]
     back, field = (np.array(colour, dtype=float) for colour in (DARK.background, DARK.field))
     colours = [back, field, np.array(DARK.grid, dtype=float), np.array(DARK.border, dtype=float)]
@@ -102,7 +106,7 @@ def mp4_bytes(flights: Sequence[Trajectory], update: Update) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flight.mp4"
         with av.open(path, "w", format="mp4", options={"movflags": "+faststart", "fflags": "+bitexact"}) as container:
-            container.metadata.update({"title": caption(flights[-1]), "comment": "SubMas workbench"})
+            container.metadata.update({"title": _title(flights), "comment": "SubMas workbench"})
             for packet in _packets(_stream(container), flights, update):
                 container.mux(packet)
         return path.read_bytes()

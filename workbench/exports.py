@@ -14,7 +14,7 @@ Update = Callable[[int, int], None]
 """Called with how much is done and how much there is, by formats that take their time."""
 
 Encoder = Callable[[Sequence[Trajectory], Update], bytes]
-"""One flight, or for a format of TOGETHER also two from the same initial state, as the content of a file."""
+"""One flight, or for a format of TOGETHER also others from the same initial state, as the content of a file."""
 
 
 class ExportError(SubMasError):
@@ -60,30 +60,30 @@ def _silent(_done: int, _total: int) -> None:
     """Tells nobody."""
 
 
-def export(flight: Trajectory, path: Path, other: Trajectory | None = None, update: Update = _silent) -> None:
+def export(flight: Trajectory, path: Path, *others: Trajectory, update: Update = _silent) -> None:
     """Write an engagement in the format its suffix names: the whole file, or none.
 
     Args:
         flight: the engagement.
         path: the file.
-        other: a second one from the same initial state, beside the first.
+        others: from the same initial state, beside the first: a second flight, a branch of either.
         update: is told the progress of formats that take their time.
 
     Raises:
         UsageError: the suffix is not one of FORMATS, or its format does not hold two flights.
         SubMasError: the file cannot be written.
     """
-    check_target(path, 1 if other is None else 2)
+    check_target(path, 1 + len(others))
     try:
-        data = encode(flight, suffix_of(path), other, update)
+        data = encode(flight, suffix_of(path), *others, update=update)
     except OSError as error:
         raise ExportError(f"--out {path} cannot be written: {error.strerror or error}") from error
     write_bytes(path, data)
 
 
-def encode(flight: Trajectory, suffix: str, other: Trajectory | None = None, update: Update = _silent) -> bytes:
-    """An engagement, and for the formats of TOGETHER another beside it, as the content of a file."""
-    return FORMATS[suffix]([flight] if other is None else [flight, other], update)
+def encode(flight: Trajectory, suffix: str, *others: Trajectory, update: Update = _silent) -> bytes:
+    """An engagement, and for the formats of TOGETHER others beside it, as the content of a file."""
+    return FORMATS[suffix]([flight, *others], update)
 
 
 def _csv(flights: Sequence[Trajectory], _update: Update) -> bytes:
@@ -100,14 +100,13 @@ def _parquet(flights: Sequence[Trajectory], _update: Update) -> bytes:
 
 def _rrd(flights: Sequence[Trajectory], _update: Update) -> bytes:
     from layouts.captions import caption
+    from layouts.letters import letters
     from workbench.recordings import write_recording
 
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder) / "flight.rrd"
-        letters = ("A · ", "B · ") if len(flights) > 1 else ("",)
-        write_recording(
-            scratch, {letter + caption(flight): flight for letter, flight in zip(letters, flights, strict=True)}
-        )
+        named = zip(letters(flights), flights, strict=True)
+        write_recording(scratch, {f"{who} · " * bool(who) + caption(flight): flight for who, flight in named})
         return scratch.read_bytes()
 
 
@@ -168,4 +167,4 @@ FORMATS: dict[str, Encoder] = {
 """Suffix -> content of the file; `docs/exports.md` tells of them. Encoders import their libraries when asked for."""
 
 TOGETHER = frozenset({".html", ".gif", ".mp4", ".rrd"})
-"""Formats that hold two flights on one clock."""
+"""Formats that hold several flights on one clock."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layouts.captions import policy_text
-from sim.trajectory import BodyTrack, MissileTrack, Trajectory
+from sim.trajectory import BodyTrack, Departure, MissileTrack, Trajectory
 
 Columns = dict[str, NDArray[np.float64]]
 """Columns `[T]` by name; the unit is the end of the name."""
@@ -58,6 +59,7 @@ def facts(flight: Trajectory) -> dict[str, object]:
     ]
     return {
         "policy": policy_text(flight),
+        **({"branch": _departure(flight.departure)} if flight.departure else {}),
         "task": task.name,
         "masked_missiles": sorted(task.masked),
         "scenario": task.scenario.name,
@@ -71,6 +73,14 @@ def facts(flight: Trajectory) -> dict[str, object]:
         "missile_fates": {str(missile.number): missile.fate.name.lower() for missile in flight.missiles},
         "events": events,
     }
+
+
+def _departure(left: Departure) -> dict[str, object]:
+    """From which moment of which flight somebody else flew on; headings as [seconds, degrees], one pair per change."""
+    headings = [[len(list(run)), heading] for heading, run in itertools.groupby(left.headings_deg)]
+    hand = {"by_hand_until_s": left.time_s + left.by_hand_s, "headings_s_deg": headings} if headings else {}
+    then = {"then": left.then or "the last heading is held"}
+    return {"left_flight": left.of, "flown_until_then_by": left.policy, "from_s": left.time_s, **hand, **then}
 
 
 def _body(name: str, track: BodyTrack) -> Columns:

@@ -55,7 +55,10 @@ export function render({model}) {
   const bars = document.createElement("div")
   bars.className = "bars"
   bars.append(left, bar)
-  root.append(frame, cover, bars)
+  const told = document.createElement("p")
+  told.className = "told"
+  told.setAttribute("role", "status")
+  root.append(frame, cover, bars, told)
 
   function hide() {
     const page = frame.contentDocument
@@ -125,10 +128,13 @@ export function render({model}) {
     both.onclick = () => { model.overlay = !model.overlay; drawBar() }
     const photo = document.createElement("button")
     photo.type = "button"
-    photo.textContent = "PNG"
-    photo.title = "Save this view as a picture"
+    const drawing = model.photo !== (model.picture.number ?? 0)
+    photo.textContent = drawing ? "PNG …" : "PNG"
+    photo.title = drawing ? "The picture is being drawn" : model.picture.problem ?? "Save this view as a picture"
+    photo.setAttribute("aria-disabled", String(drawing))
     photo.classList.add("apart")
-    photo.onclick = () => { photo.textContent = "…"; model.photo += 1 }
+    photo.classList.toggle("problem", Boolean(model.picture.problem) && !drawing)
+    photo.onclick = () => { if (model.photo === (model.picture.number ?? 0)) { model.photo += 1; drawBar() } }
     bar.replaceChildren(...buttons, both, photo)
     left.replaceChildren(...toggles())
     for (const button of [...bar.children, ...left.children]) { if (focused && button.textContent === focused) { button.focus() } }
@@ -155,12 +161,14 @@ export function render({model}) {
   model.on("remove", () => document.removeEventListener("keydown", onKey))
   model.on(["camera", "overlay", "branch", "drawn"], drawBar)
   model.on("picture", () => {
-    if (!model.picture) { return }
+    drawBar()
+    told.textContent = model.picture.problem ?? ""
+    if (!model.picture.data) { return }
     const link = document.createElement("a")
-    link.href = model.picture
+    link.href = URL.createObjectURL(new Blob([model.picture.data], {type: "image/png"}))
     link.download = "flight.png"
     link.click()
-    drawBar()
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000)
   })
   model.on("remove", () => clearInterval(watch))
   drawBar()

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import base64
-import io
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -14,13 +12,13 @@ import numpy as np
 import panel as pn
 import param
 from panel.custom import JSComponent
-from PIL import Image
 
 from layouts.cameras import FIELD_OF_VIEW_RAD, chase, overview
 from layouts.motion import Motion
 from layouts.scene import Additions, FlightScene, build_scene
 from layouts.theme import POLICY_A, POLICY_B, Mode
 from sim.trajectory import Trajectory
+from workbench.scene_photo import PhotoError, photograph
 
 if TYPE_CHECKING:
     import viser
@@ -32,8 +30,6 @@ CHASE_LAYER = "chase-branch"
 FREE = "free"
 USUAL = tuple(field.name for field in fields(Additions) if field.default)
 EYE_AFTER_MS = 500
-PHOTO_PATIENCE_S = 20.0
-PHOTO_WIDTH = 1920
 
 
 class Layer(Protocol):
@@ -68,7 +64,7 @@ class FlightFrame(JSComponent):
     dark = param.Boolean(default=True, doc="whether the page is dark; set by the browser")
 
     photo = param.Integer(default=0, doc="counts pictures asked for; set by the browser")
-    picture = param.String(default="", doc="the picture asked for, as a data: address of a PNG; empty when none came")
+    picture = param.Dict(default={}, doc="`number` of the picture asked for, and its PNG as `data` or a `problem`")
 
     _esm = Path(__file__).with_suffix(".js")
     _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
@@ -81,6 +77,7 @@ class FlightView:
         """Start a scene of its own; `frame` are first values of the frame: camera, eye, overlay, drawn."""
         self._registry = registry
         self._name, self._server = registry.open()
+        self._open = True
         self._scene: FlightScene | None = None
         self._flights: Sequence[Trajectory] = ()
         self._time_s = 0.0
@@ -116,6 +113,7 @@ class FlightView:
 
     def close(self) -> None:
         """Stop the session's viser server."""
+        self._open = False
         self._registry.close(self._name)
 
     def _build(self, keep_camera: bool = False) -> None:
@@ -149,10 +147,12 @@ class FlightView:
             self.layer.build(self._server, self._scene, mode, f"/build_{self._builds}", self.additions)
             self.layer.show(self._time_s, self.additions)
 
-    async def _photograph(self, _event: object) -> None:
-        self.frame.picture = ""
-        for client in self._server.get_clients().values():
-            self.frame.picture = await asyncio.to_thread(photograph, client)
+    async def _photograph(self, event: Any) -> None:
+        try:
+            made = {"data": await asyncio.to_thread(photograph, self._server, lambda: self._open)}
+        except PhotoError as error:
+            made = {"problem": f"{error}."}
+        self.frame.picture = {"number": event.new, **made}
 
     def _aim_all(self) -> None:
         for client in self._server.get_clients().values():
@@ -204,12 +204,3 @@ class FlightView:
             return self.layer.evader if self.layer else None
         number = CHASE.get(self.frame.camera, len(scene.evaders))
         return scene.evaders[number] if number < len(scene.evaders) else None
-
-
-def photograph(client: viser.ClientHandle) -> str:
-    """What this browser shows, drawn larger, as a data: address of a PNG; waits for the browser, so not on the loop."""
-    height = round(PHOTO_WIDTH / max(client.camera.aspect, 0.5))
-    image = client.get_render(height, PHOTO_WIDTH, transport_format="jpeg", timeout=PHOTO_PATIENCE_S)
-    packed = io.BytesIO()
-    Image.fromarray(image).save(packed, "PNG")
-    return "data:image/png;base64," + base64.b64encode(packed.getvalue()).decode()

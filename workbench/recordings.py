@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from layouts.theme import POLICY_A, POLICY_B, missile_colour
+from layouts.letters import evader_inks
 from sim.trajectory import Trajectory
 from workbench.viewer_files import cache_folder
 
@@ -77,15 +77,10 @@ def write_recording(path: Path, flights: Mapping[str, Trajectory]) -> None:
     scale = max(drawing_scale(flight.task.scenario.battlefield) for flight in flights.values())
     recording = rr.RecordingStream(APPLICATION, recording_id=_digest(flights))
     recording.save(path, default_blueprint=compare_blueprint(titles, longest_s, scale))
-    for number, (prefix, title) in enumerate(titles.items()):
-        log_flight(recording, prefix, flights[title], evader_colour(number))
+    for (prefix, title), ink in zip(titles.items(), evader_inks(list(flights.values())), strict=False):
+        log_flight(recording, prefix, flights[title], ink)
     recording.flush()
     recording.disconnect()
-
-
-def evader_colour(number: int) -> str:
-    """Ink of the evader in the first (0), second (1) and further flights."""
-    return (POLICY_A, POLICY_B)[number] if number < 2 else missile_colour(number)
 
 
 def _digest(flights: Mapping[str, Trajectory]) -> str:

@@ -1,8 +1,11 @@
 // One clock moves everything: scene, curves, read-outs, events. All words are put in as text, never as markup.
 const find = (id) => document.getElementById(id)
 const root = document.documentElement
+// Each flight has a field; a branch is drawn on that of the flight it left.
+const FIELDS = data.flights.flatMap((flight, i) => flight.branch_of === null ? [i] : [])
+const BRANCH = data.flights.find((flight) => flight.branch_of !== null)
 const SPEEDS = [1, 5, 10, 20, 50]
-const CAMERAS = [["overview", "Overview"], ["top", "Top"], ["follow", "Follow"], ["free", "Free"]]
+const CAMERAS = [["overview", "Overview"], ["top", "Top"], ["follow", "Follow"], ["free", "Free"], ...(BRANCH ? [["branch", `Follow ${BRANCH.letter}`]] : [])]
 const LAYERS = [["labels", "Labels", "Names and distances"], ["trails", "Trails", "Paths"], ["beams", "±90°", "Beam of the evader and lines of sight, while missiles fly"]]
 const EDGE = {top: 58, bottom: 92}  // of the scene: buttons above, read-outs below
 const state = {time: 0, playing: false, speed: 20, camera: "overview", free: "overview", kind: "azimuth", span: "engagement", one: false, mode: "dark"}
@@ -22,7 +25,7 @@ function make(tag, parent, words = "", attributes = {}) {
 
 function boxes() {
   const {clientWidth: width, clientHeight: height} = find("scene")
-  const count = state.one ? 1 : data.flights.length
+  const count = state.one ? 1 : FIELDS.length
   return Array.from({length: count}, (_none, i) => ({left: width * i / count, top: 0, width: width / count, height}))
 }
 
@@ -47,7 +50,8 @@ function followPose(flight, time) {
 
 function viewOf(i, box) {
   const kind = state.camera === "free" ? state.free : state.camera
-  const base = kind === "follow" ? followPose(data.flights[i], state.time) : fieldPose(kind === "top", box)
+  const followed = kind === "branch" && (state.one || BRANCH.branch_of === i) ? BRANCH : data.flights[i]
+  const base = ["follow", "branch"].includes(kind) ? followPose(followed, state.time) : fieldPose(kind === "top", box)
   return lookFrom({
     yaw: base.yaw + orbit.yaw, tilt: clamp(base.tilt + orbit.tilt, 0.03, data.cameras.top_tilt_rad),
     distance: base.distance * orbit.zoom, target: plus(base.target, orbit.shift),
@@ -67,7 +71,7 @@ function spanShown() {
 function draw() {
   asked = false
   const pen = prepare(find("scene"))
-  boxes().forEach((box, i) => drawView(pen, viewOf(i, box), state.one ? data.flights : [data.flights[i]], state.time, state.mode))
+  boxes().forEach((box, i) => drawView(pen, viewOf(i, box), drawn.filter((one, k) => state.one || k === i || one.branch_of === i), state.time, state.mode))
   const inks = colours()
   if (boxes().length > 1) { pen.fillStyle = inks.line; pen.fillRect(boxes()[1].left - 0.5, 0, 1, boxes()[1].height) }
   plots = data.flights.map((flight, i) => drawPlot(find("plots").children[i].firstChild, flight, state.kind, spanShown(), state.time, inks))

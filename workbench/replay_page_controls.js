@@ -3,7 +3,7 @@ function writeCards() {
   for (const flight of data.flights) {
     const card = make("div", find("cards"), "", {class: "card"})
     card.style.borderLeftColor = flight.evader.ink
-    make("h1", card, `${flight.letter ? `${flight.letter} · ` : ""}${flight.facts.policy}`, {title: flight.facts.policy})
+    make("h1", card, `${flight.letter ? `${flight.letter} · ` : ""}${flight.name}`, {title: flight.facts.policy})
     const line = make("p", card)
     make("b", line, flight.outcome, {class: flight.success ? "won" : "lost"})
     const rest = [`return ${flight.facts.return.toFixed(1).replace("-", "−")}`, `${Math.round(flight.facts.length_s)} s`, flight.closest && `closest ${flight.closest}`]
@@ -13,8 +13,10 @@ function writeCards() {
 }
 
 function writeEvents() {
-  const shape = {launch: "▼", closest: "◆", evaded: "○", shot_down: "✕", exit: "⚑"}
-  const all = data.flights.flatMap((flight) => flight.events.map((event) => [flight, event])).sort((a, b) => a[1].time_s - b[1].time_s)
+  const shape = {launch: "▼", closest: "◆", evaded: "○", shot_down: "✕", exit: "⚑", branch: "↱"}
+  // What happened to a branch before its moment is told of the flight it left.
+  const own = (flight) => flight.events.filter((event) => flight.branch_of === null || event.time_s > flight.branch_s || event.kind === "branch")
+  const all = data.flights.flatMap((flight) => own(flight).map((event) => [flight, event])).sort((a, b) => a[1].time_s - b[1].time_s)
   for (const [flight, event] of all) {
     const item = make("li", find("events"), "", {"data-time": event.time_s}), button = make("button", item, "", {type: "button"})
     make("time", button, clock(event.time_s))
@@ -23,7 +25,7 @@ function writeEvents() {
     if (flight.letter) { make("b", words, `${flight.letter} `).style.color = flight.evader.ink }
     words.append(event.text)
     button.onclick = () => seek(event.time_s)
-    const tick = make("i", find("ticks"), "", {class: flight === data.flights[0] ? "above" : "below"})
+    const tick = make("i", find("ticks"), "", {class: (flight.branch_of ?? data.flights.indexOf(flight)) === 0 ? "above" : "below"})
     tick.style.left = `${100 * event.time_s / Math.max(data.duration_s, 1e-6)}%`
     tick.style.background = event.ink
   }
@@ -43,7 +45,7 @@ function writeFacts() {
   }
   table("Made with", Object.entries(data.made_with))
   const keys = make("p", find("facts"))
-  for (const [key, words] of [["space", "play or pause"], ["← →", "one second, with shift ten"], ["1 2 3 4", "camera"], ["l t b", "labels, trails, beam"], ["?", "this"]]) {
+  for (const [key, words] of [["space", "play or pause"], ["← →", "one second, with shift ten"], [CAMERAS.map((_camera, i) => i + 1).join(" "), "camera"], ["l t b", "labels, trails, beam"], ["?", "this"]]) {
     make("kbd", keys, key)
     keys.append(` ${words}   `)
   }
@@ -78,7 +80,7 @@ function onDrag(canvas, move) {
 
 function moveCamera(event, first) {
   if (first) { return }
-  if (state.camera !== "follow" && state.camera !== "free") { aim("free"); markers.cameras() }
+  if (!["follow", "branch", "free"].includes(state.camera)) { aim("free"); markers.cameras() }
   const across = event.movementX, down = event.movementY
   if (event.shiftKey || event.buttons === 2) {
     const view = viewOf(0, boxes()[0]), scale = Math.hypot(...view.eye) / view.focal, north = unit([view.ahead[0], view.ahead[1], 0])
@@ -139,7 +141,7 @@ const markers = {
   cameras: choices("cameras", CAMERAS, (name) => state.camera === name, aim),
   layers: choices("layers", LAYERS, (name) => show[name], (name) => { show[name] = !show[name] }),
 }
-if (data.flights.length > 1) { choices("layers", [["one", "One field", "Both flights on one battlefield"]], () => state.one, () => { state.one = !state.one; fitted.clear() }) }
+if (FIELDS.length > 1) { choices("layers", [["one", "One field", "All flights on one battlefield"]], () => state.one, () => { state.one = !state.one; fitted.clear() }) }
 choices("kinds", Object.keys(KINDS).map((name) => [name, name[0].toUpperCase() + name.slice(1)]), (name) => state.kind === name, (name) => { state.kind = name })
 choices("spans", [["engagement", "While missiles fly"], ["whole", "Whole flight"]], (name) => state.span === name, (name) => { state.span = name })
 choices("speeds", SPEEDS.map((speed) => [speed, `${speed}×`]), (speed) => state.speed === speed, (speed) => { state.speed = speed })

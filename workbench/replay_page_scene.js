@@ -11,6 +11,19 @@ for (const flight of data.flights) {
   flight.missiles = flight.bodies.filter((body) => body.missile)
 }
 
+// What of a flight is drawn: of a branch, on the field of the flight it left, what comes after its moment.
+const drawn = data.flights.map((flight) => {
+  const from = flight.branch_s
+  if (flight.branch_of === null) { return flight }
+  const bodies = flight.bodies.filter((body) => body.gone_s === null || body.gone_s > from).map((body) => later(body, from))
+  return {...flight, bodies, evader: bodies[0], missiles: bodies.filter((body) => body.missile), marks: flight.marks.filter((mark) => mark.time_s > from)}
+})
+
+function later(body, from) {
+  const kept = Math.min(before(body.time_s, from - 1e-6) + 1, body.time_s.length - 1)
+  return Object.fromEntries(Object.entries(body).map(([name, value]) => [name, Array.isArray(value) && name !== "colour" ? value.slice(kept) : value]))
+}
+
 // The last sample at or before a time; -1 before the first.
 function before(times, time) {
   let low = -1, high = times.length

@@ -12,6 +12,7 @@ from sim.trajectory import Trajectory, fly
 from sim.world import Outcome
 from tests.engagements import circle, drag, straight, task, to_exit
 from workbench import export_video
+from workbench.branch import Branch, fly_branch
 
 POLICIES = {
     Outcome.EXIT: drag,
@@ -32,6 +33,13 @@ def ending(outcome: Outcome, flown: Task | None = None) -> Trajectory:
         if flight.outcome is outcome and (unarmed or flight.events[0].kind == "launch"):
             return flight
     raise AssertionError(f"no flight ends with {outcome.name}")
+
+
+@cache
+def branched() -> Trajectory:
+    """The flight that is shot down, left by hand after 30 s: a minute of headings, then circles."""
+    original = ending(Outcome.SHOT_DOWN)
+    return fly_branch(original, Branch("B", 30, (90,) * 20 + (200,) * 40, "circle"), circle)
 
 
 def unhindered() -> Trajectory:

@@ -17,12 +17,14 @@ from PIL import Image
 from rerun.chunk import RrdReader
 
 from layouts.captions import caption
+from layouts.letters import evader_inks, letters
+from layouts.theme import BRANCH, POLICY_A, POLICY_B, rgb
 from sim.errors import SubMasError, UsageError
 from sim.task import Task
 from sim.trajectory import BodyTrack, Trajectory
 from sim.world import Outcome
 from tests.engagements import changed
-from tests.workbench.flights import ending, shorten_films, unhindered
+from tests.workbench.flights import branched, ending, shorten_films, unhindered
 from workbench import cli, exports
 from workbench.acmi_check import check_acmi
 from workbench.exports import FORMATS, TOGETHER, ExportError, check_target, encode, export, suffix_of
@@ -258,6 +260,47 @@ def test_two_flights_share_the_files_that_have_room_for_two(
     assert code == (0 if suffix in TOGETHER else 2)
     assert [path.name for path in tmp_path.iterdir()] == ([f"x{suffix}"] if suffix in TOGETHER else [])
     assert suffix in TOGETHER or said.err.startswith(f"workbench: --out x{suffix} holds one flight; two together fit")
+
+
+@pytest.mark.parametrize("suffix", sorted(TOGETHER))
+def test_a_branch_is_beside_both_flights_in_the_files_that_have_room(suffix: str) -> None:
+    pair = ending(Outcome.EXIT), ending(Outcome.SHOT_DOWN)
+    data = encode(pair[0], suffix, pair[1], branched())
+    assert len(data) > 1.2 * len(encode(pair[0], suffix, pair[1]))
+    if suffix == ".gif":
+        with Image.open(io.BytesIO(data)) as animation:
+            assert b"from 30 s by hand, then circle" in animation.info["comment"]
+
+
+def test_files_of_a_branch_say_from_when_on_and_who_flew(tmp_path: Path) -> None:
+    flight = branched()
+    metadata = pq.read_table(io.BytesIO(encode(flight, ".parquet"))).schema.metadata
+    told = json.loads(metadata[b"branch"])
+    assert told == {
+        "left_flight": "B", "flown_until_then_by": "shot_down of a test", "from_s": 30.0, "by_hand_until_s": 90.0,
+        "headings_s_deg": [[20, 90], [40, 200]], "then": "circle",
+    }  # fmt: skip
+    acmi = encode(flight, ".acmi").decode()
+    assert check_acmi(acmi) == []
+    frame = acmi.index("Event=Bookmark|leaves B: by hand")
+    assert acmi[:frame].rsplit("#", 1)[1].startswith("30.000\n")
+    assert "Event=Bookmark|handed over to circle" in acmi[frame:]
+    with Image.open(io.BytesIO(encode(flight, ".png"))) as picture:
+        assert "from 30 s by hand, then circle" in picture.info["Title"]
+        colours = {colour for _count, colour in picture.convert("RGB").getcolors(maxcolors=10**6)}
+    assert rgb(BRANCH) in colours
+    assert b"branch" not in pq.read_table(io.BytesIO(encode(ending(Outcome.EXIT), ".parquet"))).schema.metadata
+
+
+def test_rerun_has_a_column_for_the_branch_in_its_colour(tmp_path: Path) -> None:
+    path = tmp_path / "three.rrd"
+    export(ending(Outcome.EXIT), path, ending(Outcome.SHOT_DOWN), branched())
+    reader = RrdReader(path)
+    assert "/c/space/evader" in {chunk.entity_path for chunk in reader.stream()}
+    (blueprint,) = reader.blueprints()
+    assert "B′ · shot_down" in "".join(chunk.format() for chunk in reader.stream(store=blueprint))
+    assert evader_inks([ending(Outcome.EXIT), ending(Outcome.SHOT_DOWN), branched()]) == (POLICY_A, POLICY_B, BRANCH)
+    assert (letters([branched()]), evader_inks([branched()])) == (("",), (POLICY_A,))
 
 
 def test_a_second_policy_without_a_file_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -48,7 +48,7 @@ def record(page: bytes) -> dict[str, Any]:
 
 
 def page_of(flight: Trajectory, other: Trajectory | None = None) -> bytes:
-    return encode(flight, ".html", other)
+    return encode(flight, ".html", *([other] if other else []))
 
 
 def foreign(page: bytes) -> list[str]:

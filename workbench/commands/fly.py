@@ -78,7 +78,7 @@ def _write(flights: list[Trajectory], out: Path) -> None:
     from workbench.progress import bar
 
     with bar(f"writing {out.name}", "pictures") as progress:
-        export(flights[0], out, flights[1] if len(flights) > 1 else None, progress)
+        export(flights[0], out, *flights[1:], update=progress)
 
 
 def summary(flight: Trajectory, out: Path | None = None) -> dict[str, Any]:

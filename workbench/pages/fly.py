@@ -105,7 +105,8 @@ class FlyPage:
             self._context.recordings, load_scenario(self._settings.scenario), self._rerun_state, self._look,
             lambda tab, over, whole: self._see(tab=tab, over=over, whole=whole),
         )  # fmt: skip
-        self._stick = FlyStick(StickParts(self._view, self._clock, self._events), self._context.store, self._labels)
+        parts = StickParts(self._view, self._clock, self._events, self._export, self._tabs)
+        self._stick = FlyStick(parts, self._context.store, self._labels)
 
     def _arrange(self) -> pn.viewable.Viewable:
         return arrange(
@@ -159,7 +160,7 @@ class FlyPage:
         self._tabs.show(pair)
         rows = event_rows(flights, COLOURS)
         self._events.events = rows
-        self._export.offer(flown.a, flown.b, (settings.a, settings.b), self._context.store.root, settings.scenario)
+        self._export.offer(flown.a, flown.b, settings.to_query(), self._context.store.root)
         self._hud.flights = flown.readouts
         start = min(self._settings.time_s, pair.duration_s)
         self._clock.param.update(duration=pair.duration_s, marks=rows)

@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 import param
 from panel.custom import JSComponent
 
-from layouts.theme import FAILURE, NEUTRAL, SUCCESS, missile_colour
+from layouts.theme import BRANCH, FAILURE, NEUTRAL, SUCCESS, missile_colour
 from sim.trajectory import Event, Trajectory
 
-ENDINGS = {"exit": SUCCESS, "shot_down": FAILURE, "left_field": FAILURE, "timeout": NEUTRAL}
+ENDINGS = {"exit": SUCCESS, "shot_down": FAILURE, "left_field": FAILURE, "timeout": NEUTRAL, "branch": BRANCH}
 
 
 class EventList(JSComponent):

@@ -7,10 +7,10 @@ import math
 from pathlib import Path
 
 from layouts.captions import clock_text, closest_miss_m, distance_text, outcome_text
+from layouts.letters import branch_letter
 from layouts.theme import BRANCH, missile_colour
 from sim.trajectory import MissileTrack, Trajectory
 from sim.world import Fate
-from workbench.branch import branch_letter
 from workbench.pages.fly_cards import CARD_CSS
 
 BRANCH_CARD_CSS = CARD_CSS + Path(__file__).with_suffix(".css").read_text("utf-8")

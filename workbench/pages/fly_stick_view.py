@@ -10,17 +10,20 @@ import panel as pn
 
 from layouts.branch_chart import BranchCharts
 from layouts.captions import clock_text
+from layouts.letters import branch_letter
 from layouts.theme import BRANCH, POLICY_A, POLICY_B
 from sim.trajectory import Trajectory
-from workbench.branch import Branch, branch_letter, moment_s
+from workbench.branch import Branch, moment_s
 from workbench.branch_layer import BranchLayer
 from workbench.branch_stick import Stick
 from workbench.branch_text import FLIGHTS
+from workbench.export_menu import ExportMenu
 from workbench.flight_view import CHASE_LAYER, FlightView
 from workbench.pages.fly_clock import FlightClock
 from workbench.pages.fly_events import EventList, event_rows
 from workbench.pages.fly_stick_card import branch_card
 from workbench.pages.fly_stick_widgets import StickWidgets
+from workbench.pages.fly_tabs import FlightTabs
 
 INKS = {"A": POLICY_A, "B": POLICY_B}
 
@@ -32,6 +35,8 @@ class StickParts:
     view: FlightView
     clock: FlightClock
     events: EventList
+    export: ExportMenu
+    tabs: FlightTabs
 
 
 class BranchView:
@@ -56,6 +61,7 @@ class BranchView:
         self._follow(False)
         self._widgets.show(live=False, branch=False)
         self._list_events({})
+        self._hand_on(None)
 
     def flying(self, of: str, stick: Stick) -> None:
         """Show a flight by hand, seen from behind."""
@@ -63,6 +69,7 @@ class BranchView:
         self._parts.view.draw_layer()
         self._follow(True, look=True)
         self._list_events({})
+        self._hand_on(None)
         self._widgets.show(live=True, branch=False)
 
     def flown(self, branch: Branch, flight: Trajectory) -> None:
@@ -74,9 +81,16 @@ class BranchView:
         self._parts.view.draw_layer()
         self._follow(True)
         self._list_events({branch_letter(branch.of): flight}, from_s)
+        self._hand_on(flight, f"{branch_letter(branch.of)} · {self._who(branch, original)}")
         self._draw_charts(original, flight, branch, from_s)
         self._widgets.steer_on.visible = branch.by_hand
         self._widgets.show(live=False, branch=True)
+
+    def _hand_on(self, flight: Trajectory | None, title: str = "") -> None:
+        """To the files and to Rerun; not while it is being flown."""
+        if self._flights:
+            self._parts.export.offer_branch(flight)
+        self._parts.tabs.show_branch(flight, title)
 
     def _who(self, branch: Branch, original: Trajectory) -> str:
         step_s = original.task.scenario.rules.step_s
@@ -99,7 +113,8 @@ class BranchView:
 
     def _list_events(self, branch: dict[str, Trajectory], from_s: float = 0.0) -> None:
         """The page's events and, after its moment, those of the branch; the clock ends with the longest flight."""
-        own = [row for row in event_rows(branch, dict.fromkeys(branch, BRANCH)) if row["time"] > from_s]
+        rows = event_rows(branch, dict.fromkeys(branch, BRANCH))
+        own = [row for row in rows if row["time"] > from_s or row["kind"] == "branch"]
         rows = sorted([*self._rows, *own], key=lambda row: (row["time"], row["who"]))
         self._parts.events.events = rows
         duration = max(flight.duration_s for flight in (*self._flights.values(), *branch.values()))

@@ -13,6 +13,7 @@ from bokeh.models import Title
 from bokeh.plotting import figure
 
 from sim.scenario import Scenario
+from sim.trajectory import Trajectory
 from workbench.pages.fly_figures import ChartPairs, Pair, Sight
 from workbench.pages.fly_look import TABS, FlyLook
 from workbench.recordings import Recordings
@@ -45,7 +46,8 @@ class FlightTabs:
         look = look or FlyLook()
         self._recordings, self._state, self._looked = recordings, state, looked
         self._pair: Pair | None = None
-        self._recorded: Pair | None = None
+        self._branch: tuple[str, Trajectory] | None = None
+        self._recorded: dict[str, Trajectory] = {}
         self._shown: dict[str, tuple[Pair, Sight]] = {}
         self._drawn: dict[str, bool] = {}
         self._scenario, self._charts = scenario, ChartPairs(scenario)
@@ -68,11 +70,17 @@ class FlightTabs:
 
     def show(self, pair: Pair) -> None:
         """New flights: the open tab changes at once, the others when they are opened; another scenario has others."""
-        self._pair = pair
+        self._pair, self._branch = pair, None
         if pair.a.task.scenario != self._scenario:
             self._start_anew(pair.a.task.scenario)
         self._charts.fit_time(pair, self._sight)
         self._open()
+
+    def show_branch(self, branch: Trajectory | None, title: str = "") -> None:
+        """Rerun shows a branch beside both flights; the curves of a branch are elsewhere. None: without one."""
+        self._branch = None if branch is None else (title, branch)
+        if self._title == RERUN:
+            self._open()
 
     @property
     def _sight(self) -> Sight:
@@ -102,9 +110,7 @@ class FlightTabs:
         if self._pair is None:
             return
         if title == RERUN:
-            if self._pair is not self._recorded:
-                self._recorded = self._pair
-                pn.state.execute(self._open_rerun, schedule=True)
+            self._record()
             return
         shown = (self._pair, replace(self._sight, whole=False))
         if self._shown.get(title) == shown:
@@ -124,15 +130,22 @@ class FlightTabs:
                 _untitled(figures)
             self._bodies[title].objects = [_row(figures) for figures in rows]
 
+    def _record(self) -> None:
+        """Have Rerun show the flights, unless it does."""
+        pair = self._pair
+        if pair is None:
+            return
+        flights = {pair.title_a: pair.a, pair.title_b: pair.b, **dict([self._branch] if self._branch else [])}
+        if [*map(id, flights.values())] != [*map(id, self._recorded.values())]:
+            self._recorded = flights
+            pn.state.execute(self._open_rerun, schedule=True)
+
     async def _open_rerun(self) -> None:
         from workbench.rerun_pane import RerunPane
 
-        pair = self._recorded
-        if pair is None:
-            return
-        flights = {pair.title_a: pair.a, pair.title_b: pair.b}
+        flights = self._recorded
         address = f"/rrd/{await asyncio.to_thread(self._recordings.compare, flights)}"
-        if pair is not self._recorded:
+        if flights is not self._recorded:
             return
         if self._rerun.objects:
             self._rerun.objects[0].recording = address

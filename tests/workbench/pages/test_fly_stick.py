@@ -127,7 +127,9 @@ def test_the_other_policy_flies_on_and_is_told_of(opened: Callable[..., FlyPage]
     assert "from 5:30 Navigation (expert)" in card
     rows = [row for row in page._events.events if row["who"] == "B′"]
     assert rows
-    assert all(row["time"] > 330.0 for row in rows)
+    assert (rows[0]["kind"], rows[0]["time"]) == ("branch", 330.0)
+    assert all(row["time"] > 330.0 for row in rows[1:])
+    assert page._export.who == ["A", "B", "B′"]
     assert {row["who_colour"] for row in rows} == {BRANCH}
     assert {mark["who"] for mark in page._clock.marks} == {"A", "B"}
     assert page._view.frame.branch

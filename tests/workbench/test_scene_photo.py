@@ -1,0 +1,54 @@
+"""The picture of a scene: from the newest browser there is, waited for, and given up in one sentence."""
+
+from __future__ import annotations
+
+import io
+import threading
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from workbench.scene_photo import WIDTH, PhotoError, photograph
+
+
+class Browser:
+    """A client that shows one colour, after some failures."""
+
+    def __init__(self, shade: int, failures: tuple[Exception, ...] = ()) -> None:
+        self.camera, self.shade, self.failures = SimpleNamespace(aspect=2.0), shade, list(failures)
+
+    def get_render(self, height: int, width: int, **_how: Any) -> np.ndarray:
+        if self.failures:
+            raise self.failures.pop(0)
+        return np.full((height, width, 3), self.shade, np.uint8)
+
+
+def scene(*browsers: Browser) -> Any:
+    return SimpleNamespace(get_clients=lambda: dict(enumerate(browsers)))
+
+
+def shade(png: bytes) -> tuple[tuple[int, int], int]:
+    with Image.open(io.BytesIO(png)) as picture:
+        return picture.size, picture.convert("L").getpixel((5, 5))  # pyright: ignore[reportReturnType]
+
+
+def test_the_newest_browser_is_asked_and_asked_again_when_it_failed() -> None:
+    gone, fresh = Browser(10, (RuntimeError("gone"),) * 9), Browser(200, (RuntimeError("again"), TimeoutError()))
+    assert shade(photograph(scene(gone, fresh))) == ((WIDTH, WIDTH // 2), 200)
+
+
+def test_a_browser_that_comes_late_is_waited_for() -> None:
+    there: dict[int, Browser] = {}
+    timer = threading.Timer(0.3, lambda: there.update({4: Browser(77)}))
+    timer.start()
+    assert shade(photograph(SimpleNamespace(get_clients=lambda: there)))[1] == 77  # pyright: ignore[reportArgumentType]
+
+
+def test_nobody_there_is_a_sentence_and_a_closed_page_is_not_waited_for() -> None:
+    with pytest.raises(PhotoError, match="sent no picture within 0 s; reload the page"):
+        photograph(scene(), patience_s=0.3)
+    with pytest.raises(PhotoError):
+        photograph(scene(), wanted=lambda: False)
