@@ -74,7 +74,9 @@ class Guard:
 
     def _unknown(self, request: HTTPServerRequest) -> Answer | None:
         offered = request.query_arguments.get("token", [b""])[-1]
-        if offered and not _is_websocket(request) and hmac.compare_digest(offered, self.token.encode()):
+        if offered and _is_websocket(request):
+            return Answer(401, "A websocket takes no token in its address.")  # a failed one is logged, address and all
+        if offered and hmac.compare_digest(offered, self.token.encode()):
             return Answer(302, location=_without_token(request))
         cookie = request.cookies.get(self.cookie_name)
         if cookie is not None and hmac.compare_digest(cookie.value.encode(), self._cookie.encode()):

@@ -90,6 +90,16 @@ def test_a_lane_that_is_reset_while_others_fly_disturbs_none(batch: Flights) -> 
     np.testing.assert_array_equal(np.stack(seen)[:, others], batch.observation[1:, others])
 
 
+def test_an_observation_stays_what_it_was() -> None:
+    world = World(task(), LANES, seed=13)
+    kept = [world.observation, *(world.step(turns).observation for turns in TURNS[:5])]
+    copies = [observation.copy() for observation in kept]
+    world.step(TURNS[5])
+    world.reset()
+    for observation, copy in zip(kept, copies, strict=True):
+        np.testing.assert_array_equal(observation, copy)
+
+
 class Neighbourly(World):
     """Steering in one lane is felt, a little, in the next."""
 

@@ -1,6 +1,7 @@
 """A training process that learns nothing, quickly: the real entry point around a stand-in for the learner.
 
-What it does is told by the run's name: `epochs=5 epoch_s=0.1 fail_at=3 nan_at=2 die_at=4 hang_at=2`.
+What it does is told by the run's name: `epochs=5 epoch_s=0.1 fail_at=3 nan_at=2 die_at=4 hang_at=2
+saving=0` (the share of its time that goes into checkpoints; 0: only the first and what is needed).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from workbench.runs import Run, RunStore
 def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot | None) -> None:
     told = dict(part.split("=") for part in run.config.name.split())
     epochs, epoch_s = int(told.get("epochs", 3)), float(told.get("epoch_s", 0.01))
+    pulse.SAVING_SHARE = float(told.get("saving", pulse.SAVING_SHARE))
     began = time.monotonic()
     if snapshot is None:
         recorder.event("stage_started", "stage 1 of 1: target")

@@ -27,6 +27,7 @@ from tests.reliability.failing_disk import (
 )
 from tests.reliability.in_process import content, events, files, metrics, revive, train
 from workbench import pulse
+from workbench.checkpoints import Checkpoints
 from workbench.run_files import RunFileError
 from workbench.runs import Run, RunStore
 
@@ -64,6 +65,12 @@ def assert_same(run: Run, whole: Run) -> None:
     assert files(run) == files(whole)
 
 
+def assert_has_a_checkpoint(run: Run) -> None:
+    """From the second epoch on there is always a whole one, until the run is over."""
+    if len(metrics(run)) > 1 and run.state.state != "finished":
+        assert Checkpoints(run.path / "checkpoints", run.id).latest() is not None
+
+
 @pytest.mark.parametrize("kind", [KilledDisk, PowerCutDisk, ReorderingDisk])
 def test_a_crash_at_any_step_of_a_run_leaves_a_run_that_goes_on(
     kind: type[KilledDisk], store: RunStore, whole: Run
@@ -76,6 +83,7 @@ def test_a_crash_at_any_step_of_a_run_leaves_a_run_that_goes_on(
                 train(run, store)
             except Death:
                 died = True
+        assert_has_a_checkpoint(run)
         revive(run)
         if not died:
             break

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -84,6 +85,22 @@ def test_the_limit_on_running_trainings_holds(store: RunStore, config: Config) -
     assert Counter(run.state.state for run in store.list()) == {"running": 2, "queued": 3}
 
 
+def test_the_limit_holds_however_many_launch_at_once(store: RunStore, config: Config) -> None:
+    # R11: each of them counts what runs before any has started its own.
+    for seed in range(6):
+        store.create(config("epochs=100 epoch_s=0.1", seed=seed))
+    together = threading.Barrier(8)
+
+    def ask(_: int) -> int:
+        own = RunStore(store.root)
+        together.wait()
+        return len(drain(own, limit=2))
+
+    with ThreadPoolExecutor(8) as pool:
+        assert sum(pool.map(ask, range(8))) == 2
+    assert Counter(run.state.state for run in store.list()) == {"running": 2, "queued": 4}
+
+
 def test_a_killed_training_is_interrupted_and_never_started_again(store: RunStore, config: Config, wait: Wait) -> None:
     run = launch(store, config("epochs=9 die_at=3"))
     wait(run, "interrupted")
@@ -122,6 +139,7 @@ def test_the_first_ask_to_stop_ends_the_epoch(signalled: bool, store: RunStore, 
     wait(run, "stopped")
     assert 0 < len(run.metrics()) < 1000
     assert run.state.progress < 1.0
+    assert _exit_code() == 0
 
 
 def test_the_second_ask_ends_it_in_the_middle_of_an_epoch(store: RunStore, config: Config, wait: Wait) -> None:
@@ -132,6 +150,7 @@ def test_the_second_ask_ends_it_in_the_middle_of_an_epoch(store: RunStore, confi
     stop_now(run)
     wait(run, "stopped")
     assert run.metrics() == []
+    assert _exit_code() == 130
 
 
 def test_a_queued_run_is_stopped_before_it_starts(store: RunStore, config: Config) -> None:
@@ -171,6 +190,20 @@ def test_a_training_outlives_the_process_that_launched_it(store: RunStore, confi
     wait(run, "finished")
 
 
+def test_a_ctrl_c_where_it_was_launched_does_not_reach_a_training(store: RunStore, config: Config, wait: Wait) -> None:
+    # R10: a terminal sends it to every process of its foreground group; "trainings go on", says the server.
+    run = store.create(config("epochs=40 epoch_s=0.02"))
+    code = (
+        "import os, signal; from workbench import launcher; from workbench.runs import RunStore;"
+        f"launcher.ENTRY = {launcher.ENTRY!r};"
+        f"assert launcher.drain(RunStore({str(store.root)!r}));"
+        "signal.signal(signal.SIGINT, signal.SIG_IGN); os.killpg(0, signal.SIGINT); os.killpg(0, signal.SIGINT)"
+    )
+    subprocess.run([sys.executable, "-c", code], env=launcher.environment(), check=True, start_new_session=True)
+    wait(run, "finished")
+    assert len(run.metrics()) == 40
+
+
 def test_a_run_is_not_trained_twice(store: RunStore, config: Config, wait: Wait) -> None:
     run = launch(store, config("epochs=100 epoch_s=0.1"))
     assert _train_by_hand(run) == (1, f"workbench: run {run.id} is already being trained by another process\n")
@@ -201,6 +234,11 @@ def test_a_training_never_forks() -> None:
     source = Path(training.__file__).read_text() + Path(launcher.__file__).read_text()
     assert "os.fork" not in source
     assert "multiprocessing" not in source
+
+
+def _exit_code() -> int:
+    (child,) = launcher._children
+    return child.wait(timeout=30)
 
 
 def _until_learning(run: Run) -> None:

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import signal
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -16,6 +17,8 @@ from pathlib import Path
 import pytest
 
 from agents.config import TrainingConfig
+from agents.disk import Disk
+from tests.reliability.failing_disk import installed
 from tests.reliability.in_process import train
 from workbench import cli, launcher, pulse, run_folder
 from workbench.engine import LocalEngine
@@ -65,6 +68,20 @@ def test_a_paused_run_goes_on_where_it_was(store: RunStore, config: Config, wait
     assert not (run.path / "checkpoints").exists() and not (run.path / "pause").exists()
 
 
+@pytest.mark.parametrize("wish", ["pause", "stop"])
+def test_the_last_epoch_is_saved_however_dear_saving_is(wish: str, store: RunStore, config: Config, wait: Wait) -> None:
+    run = launch(store, config("epochs=12 epoch_s=0.05 saving=0"))
+    until_epoch(run, 3)
+    run.request_pause() if wish == "pause" else run.request_stop()
+    wait(run, "paused" if wish == "pause" else "stopped")
+    done = len(epochs(run))
+    resume(store, run)
+    wait(run, "finished")
+    assert epochs(run) == list(range(1, 13))
+    (text,) = [event["text"] for event in run.events() if event["kind"] == "resumed"]
+    assert text.startswith(f"resumed at checkpoint 2, {done / 12:.0%} done"), "the first, and the one that was needed"
+
+
 def test_a_queued_run_is_paused_before_it_starts_and_resumed_from_its_beginning(
     store: RunStore, config: Config, wait: Wait
 ) -> None:
@@ -111,20 +128,19 @@ def test_a_killed_run_is_interrupted_within_two_seconds(store: RunStore, config:
 
 def test_a_hung_run_is_stalled_and_comes_back_or_is_ended(store: RunStore, config: Config, wait: Wait) -> None:
     # R9: the fake learner's patience is half a second, or ten of its epochs.
-    run = launch(store, config("epochs=500 epoch_s=0.05"))
-    until_epoch(run, 2)
-    pid = run.state.pid or 0
-    os.kill(pid, signal.SIGSTOP)
-    wait(run, "stalled")
-    assert run.state.active and not run.state.resumable
-    with pytest.raises(RunBusyError, match="cannot be resumed: it is running"):
-        resume(store, run)
-    os.kill(pid, signal.SIGCONT)
-    wait(run, "running")
-    os.kill(pid, signal.SIGSTOP)
-    wait(run, "stalled")
-    stop_now(run)
-    wait(run, "interrupted")
+    back, ended = [launch(store, config("epochs=500 epoch_s=0.05")) for _ in range(2)]
+    for run in (back, ended):
+        until_epoch(run, 2)
+        os.kill(run.state.pid or 0, signal.SIGSTOP)
+    for run in (back, ended):
+        wait(run, "stalled")
+        assert run.state.active and not run.state.resumable
+        with pytest.raises(RunBusyError, match="cannot be resumed: it is running"):
+            resume(store, run)
+    os.kill(back.state.pid or 0, signal.SIGCONT)
+    wait(back, "running")
+    stop_now(ended)
+    wait(ended, "interrupted")
 
 
 def test_jumps_of_the_clock_neither_stall_a_run_nor_turn_its_times_round(
@@ -140,6 +156,7 @@ def test_jumps_of_the_clock_neither_stall_a_run_nor_turn_its_times_round(
 
     run = store.create(config("epochs=5 epoch_s=0.01"))
     monkeypatch.setattr(run_folder, "datetime", Jumping)
+    monkeypatch.setattr(time, "time", lambda: Jumping.now().timestamp())
     train(run, store)
     walls = [event["wall_s"] for event in run.events()]
     assert walls == sorted(walls) and walls[0] >= 0.0 and walls[-1] < 60.0
@@ -228,6 +245,42 @@ def test_a_reader_begins_again_when_rows_are_made_again(tmp_path: Path) -> None:
         file.write('{"epoch":33}\n{"epoch":44}\n')
     assert [row["epoch"] for row in reader.read_new()] == [1, 2, 33, 44] and reader.anew
     assert reader.read_new() == [] and not reader.anew
+
+
+class Slow(Disk):
+    """Writes in two halves, with time for a reader in between."""
+
+    def write(self, descriptor: int, data: bytes | memoryview) -> None:
+        half = len(data) // 2
+        super().write(descriptor, memoryview(data)[:half])
+        time.sleep(0.001)
+        super().write(descriptor, memoryview(data)[half:])
+
+    def sync(self, descriptor: int) -> None:
+        pass
+
+
+def test_readers_beside_a_writer_see_whole_epochs_only(store: RunStore, config: Config) -> None:
+    # R16: every row is whole, none is missed, none comes twice, and no checkpoint is ahead of the rows.
+    run, over = store.create(config("epochs=60 epoch_s=0")), threading.Event()
+
+    def read() -> list[int]:
+        reader, seen = LineReader(run.path / "metrics.jsonl"), list[int]()
+        while True:
+            last = over.is_set()
+            saved = max((int(path.stem[-6:]) for path in run.path.glob("checkpoints/manifest-*.json")), default=0)
+            seen += [row["epoch"] for row in reader.read_new()]
+            assert len(seen) >= saved
+            if last:
+                return seen
+
+    with installed(Slow()), ThreadPoolExecutor(4) as pool:
+        readers = [pool.submit(read) for _ in range(4)]
+        try:
+            train(run, store)
+        finally:
+            over.set()
+        assert [reader.result() for reader in readers] == [list(range(1, 61))] * 4
 
 
 def test_saving_takes_a_small_share_of_the_time() -> None:

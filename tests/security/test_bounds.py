@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import socket
 import time
@@ -16,7 +17,9 @@ from tests.conftest import Served
 from tests.security.session import session
 from workbench import cli, server
 from workbench.app import PAGES
-from workbench.server import MESSAGE_LIMIT_BYTES, REQUEST_LIMITS, serve
+from workbench.context import AppContext
+from workbench.guard import Guard
+from workbench.server import MESSAGE_LIMIT_BYTES, REQUEST_LIMITS, build, serve
 
 SOON_S = 20.0
 """Generous, as machines differ; what is refused would otherwise take minutes."""
@@ -107,6 +110,15 @@ def test_nobody_is_waited_for_without_end() -> None:
     assert set(REQUEST_LIMITS) == {"max_header_size", "max_body_size", "body_timeout", "idle_connection_timeout"}
     assert REQUEST_LIMITS["body_timeout"] <= 60 and REQUEST_LIMITS["idle_connection_timeout"] <= 300
     assert REQUEST_LIMITS["max_body_size"] <= 1 << 20
+    assert asyncio.run(_given()) == REQUEST_LIMITS
+
+
+async def _given() -> dict[str, float]:
+    """The limits that a server of ours works with."""
+    built = build(AppContext.of(Path("runs")), Guard(), port=0)
+    built.stop()
+    limits = vars(built._http.conn_params) | {"idle_connection_timeout": built._http.conn_params.header_timeout}
+    return {name: limits[name] for name in REQUEST_LIMITS}
 
 
 def test_a_large_message_ends_its_own_page_alone(served: Served) -> None:

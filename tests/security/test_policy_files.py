@@ -176,6 +176,19 @@ def test_a_good_file_is_a_policy_and_small(tmp_path: Path) -> None:
     assert len(GOOD) < SIZE_LIMIT and struct.unpack("<Q", GOOD[:8])[0] < HEADER_LIMIT / 8
 
 
+def test_a_huge_file_is_refused_by_its_beginning(tmp_path: Path) -> None:
+    path = tmp_path / "policy.safetensors"
+    path.write_bytes(GOOD)
+    os.truncate(path, 400_000_000)  # a hole: it takes no space on the disk
+    tracemalloc.start()
+    try:
+        with pytest.raises(PolicyFileError, match="is larger than 4 MB, no policy is"):
+            load_policy(path)
+        assert tracemalloc.get_traced_memory()[1] < MEMORY_LIMIT_BYTES
+    finally:
+        tracemalloc.stop()
+
+
 def test_every_truncation_is_one_sentence(tmp_path: Path) -> None:
     path = tmp_path / "policy.safetensors"
     lengths = [*range(0, 64), *range(64, 2500, 61), *range(2500, len(GOOD), 16_384), len(GOOD) - 1]

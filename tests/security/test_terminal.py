@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import ast
+import dataclasses
 import json
 import shutil
 from pathlib import Path
 
 import pytest
 
+from agents.config import TrainingConfig
 from tests.security.hostile import EVERY, PRINTABLE, STEERING, steers
 from tests.security.hostile_runs import fill, policy_file, scenario_file
 from tests.security.sources import calls, trees
 from workbench import cli
+from workbench.cluster.ray_engine import RayEngine, _Task
 from workbench.progress import bar
 from workbench.runs import RunStore
 from workbench.terminal import print_json, print_line, print_table
@@ -23,7 +26,6 @@ TALKERS = {
     "export_job.py": "numbers and an error, read by the export menu",
     "speed_probe.py": "numbers, read by the pages",
     "training.py": "into the run's log",
-    "ray_engine.py": "into a worker's log",
 }
 """Modules that may print past `workbench.terminal`, and what."""
 SAYS = ("print", "sys.stdout.write", "sys.stderr.write")
@@ -129,6 +131,20 @@ def test_files_with_names_that_steer_are_refused_in_a_sentence(
         assert cli.main(command) == 2
         told = heard(capsys)
         assert steers(told) == [] and told.startswith("workbench: ") and told.count("\n") == 1
+
+
+def test_what_a_node_says_of_its_death_steers_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # The reason is an error of another machine, and the node's name is its own.
+    run = RunStore(tmp_path).create(TrainingConfig(profile="smoke", missiles=1), engine="ray")
+    engine = RayEngine.__new__(RayEngine)
+    monkeypatch.setattr(RayEngine, "_hand_over", lambda *_: None)
+    for text in STEERING:
+        run.write_state(dataclasses.replace(run.state, state="running", node=text.encode("utf-8", "replace").decode()))
+        engine._begin_again(_Task(run, 0, 1, None), text)
+    told = heard(capsys)
+    assert steers(told) == [] and "\\x1b[31mred" in told and told.count("\n") == len(STEERING)
 
 
 def test_only_one_module_prints() -> None:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import ast
 import asyncio
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from tornado.httputil import HTTPHeaders, HTTPServerRequest, RequestStartLine
+from tornado.web import Application, RequestHandler
 
 from tests.conftest import Served
+from workbench import guard
+from workbench.guard import Guard, _log_request
 
+SOURCE = Path(guard.__file__)
 REFUSED = 401
 
 
 def _route_patterns() -> list[str]:
     """Every route of the server, so that one added later is tried as well."""
     from workbench.context import AppContext
-    from workbench.guard import Guard
     from workbench.server import build
 
     async def patterns() -> list[str]:
@@ -60,7 +66,38 @@ def test_a_wrong_token_is_refused(served: Served, token: str) -> None:
 
 
 def test_a_websocket_takes_no_token_in_its_address(served: Served) -> None:
-    assert served.upgrade(f"/fly/ws?token={served.token}", cookie="") == REFUSED
+    for cookie in ("", None):
+        assert served.upgrade(f"/fly/ws?token={served.token}", cookie=cookie) == REFUSED
+
+
+def test_secrets_are_compared_in_a_time_that_tells_nothing() -> None:
+    # A plain comparison ends at the first letter that differs, and how long it took can be measured.
+    compared = [node for node in ast.walk(ast.parse(SOURCE.read_text("utf-8"))) if isinstance(node, ast.Compare)]
+    assert len(compared) > 5
+    secret = re.compile(r"self\.(token|_cookie)|\boffered\b|cookie\.value")
+    assert [text for node in compared if secret.search(text := ast.unparse(node))] == []
+    assert SOURCE.read_text("utf-8").count("hmac.compare_digest(") == 2
+
+
+def test_every_start_has_secrets_of_its_own() -> None:
+    several = [Guard() for _ in range(5)]
+    for name in ("token", "_cookie", "cookie_name"):
+        assert len({getattr(guard, name) for guard in several}) == 5
+    assert all(len(guard.token) >= 22 and len(guard._cookie) >= 22 for guard in several)
+    assert not any(guard.token in repr(guard) or guard._cookie in repr(guard) for guard in several)
+
+
+def test_what_fails_is_logged_without_its_query(caplog: pytest.LogCaptureFixture) -> None:
+    # Jupyter wrote cookies and addresses of whatever failed with a 5xx into its log.
+    request = HTTPServerRequest(
+        start_line=RequestStartLine("GET", "/fly?token=hush", "HTTP/1.1"),
+        headers=HTTPHeaders({"Host": "localhost", "Cookie": "w=hush"}),
+        connection=SimpleNamespace(set_close_callback=lambda _: None),  # type: ignore[arg-type]
+    )  # fmt: skip
+    handler = RequestHandler(Application(), request)
+    handler.set_status(500)
+    _log_request(handler)
+    assert "GET /fly failed with status 500" in caplog.text and "hush" not in caplog.text
 
 
 def test_the_token_is_exchanged_for_a_cookie_and_leaves_the_address(served: Served) -> None:

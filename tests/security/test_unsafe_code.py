@@ -27,6 +27,8 @@ BANNED_CALLS = {
     "pd.eval", "pandas.eval", "subprocess.getoutput", "subprocess.getstatusoutput", "asyncio.create_subprocess_shell",
     "random.seed", "np.random.seed", "shutil.unpack_archive",
 }  # fmt: skip
+BANNED_NAMES = {"eval", "exec", "compile", "__import__"}
+"""Also where they are handed to something that calls them."""
 BANNED_METHODS = {"extractall", "read_pickle", "to_pickle", "allow_pickle"}
 """Whatever they are called on."""
 WRITES_MARKUP = re.compile(r"\b(?:inner|outer)HTML\s*=(?!=)|insertAdjacentHTML|document\.write|\beval\(|new Function")
@@ -44,6 +46,8 @@ def findings(tree: ast.Module) -> Iterator[str]:
             yield from (f"line {node.lineno} imports {name}" for name in names if name.split(".")[0] in BANNED_IMPORTS)
         elif isinstance(node, ast.Call):
             yield from _call_findings(node)
+        elif isinstance(node, ast.Name) and node.id in BANNED_NAMES:
+            yield f"line {node.lineno} names {node.id}"
 
 
 def _call_findings(node: ast.Call) -> Iterator[str]:
@@ -75,7 +79,7 @@ def test_no_source_loads_or_runs_what_it_is_given() -> None:
         "import pickle", "from pickle import loads", "import numpy as np\nnp.load(p, allow_pickle=True)", "eval(x)",
         "import torch\ntorch.load(p)", "torch.load(p, weights_only=False)", "subprocess.run(c, shell=True)",
         "subprocess.run(c, shell=flag)", "os.system(c)", "archive.extractall(p)", "yaml.load(t)", "tempfile.mktemp()",
-        "def f():\n    exec('x')", "os.fork()", "df.query(text)",
+        "def f():\n    exec('x')", "os.fork()", "df.query(text)", "map(eval, x)",
     ],
 )  # fmt: skip
 def test_the_search_finds_what_it_bans(source: str) -> None:

@@ -27,6 +27,7 @@ from tests.conftest import Served
 from tests.security.hostile import EVERY
 from tests.security.session import session
 from tests.security.sources import PACKAGES, ROOT, calls, trees
+from workbench import viewer_files
 from workbench.viser_proxy import LOOKS, ViserRegistry, only_looks, viser_routes
 
 ACTS = re.compile(
@@ -142,6 +143,21 @@ def _assert_nobody_passes_by(port: int) -> None:
         with socket.create_connection(("127.0.0.1", port), timeout=10) as plain:
             plain.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
             assert b"root:" not in plain.recv(65_536)
+
+
+def test_the_viewer_is_taken_out_of_its_wheel_on_loopback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The wheel's program serves everybody unless it is told otherwise, and a second is enough for a scan.
+    told: list[list[str]] = []
+
+    def refuse(command: list[str], **_: object) -> None:
+        told.append(command)
+        raise OSError("not started")
+
+    monkeypatch.setattr(viewer_files.subprocess, "Popen", refuse)
+    with pytest.raises(OSError, match="not started"), viewer_files._wheel_server(tmp_path):
+        pass
+    (command,) = told
+    assert command[command.index("--bind") + 1] == "127.0.0.1"
 
 
 def test_no_address_of_the_machine_but_loopback_answers(served: Served) -> None:

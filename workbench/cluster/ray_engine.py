@@ -6,7 +6,6 @@ import contextlib
 import dataclasses
 import os
 import secrets
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -21,6 +20,7 @@ from workbench.engine_options import EngineOptions
 from workbench.run_files import RunFileError, waiting_lock
 from workbench.run_folder import LAUNCHER_LOCK, now
 from workbench.runs import Run, RunBusyError, RunsFolderError, RunStore
+from workbench.terminal import print_line
 
 if TYPE_CHECKING:
     from agents.config import TrainingConfig
@@ -219,8 +219,8 @@ class RayEngine:
 
     def _begin_again(self, task: _Task, reason: str) -> None:
         state = task.run.state
-        print(f"workbench: run {task.run.id}: {reason} on {state.node}; it begins again at its last checkpoint",
-              file=sys.stderr)  # fmt: skip
+        again = f"{reason} on {state.node}; it begins again at its last checkpoint"
+        print_line(f"workbench: run {task.run.id}: {again}", error=True)
         waiting = {"state": "queued", "beat_s": None, "node": "", "retries": state.retries + 1, "updated": now()}
         task.run.write_state(dataclasses.replace(state, **waiting))
         self._hand_over(task)
