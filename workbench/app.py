@@ -15,6 +15,7 @@ from panel.util.parameters import edit_readonly
 
 from layouts import theme
 from sim.errors import SubMasError
+from workbench.connection_bar import connection_bar
 from workbench.context import AppContext
 from workbench.history_steps import history_steps
 from workbench.tour import tour
@@ -56,11 +57,12 @@ def framed(context: AppContext, name: str) -> pmui.Page:
     light = pn.state.session_args.get("theme", [b""])[0] == b"default"
     setattr(pn.config, "theme", "default" if light else "dark")  # noqa: B010 - Panel hides the setter from type checkers
     links = {other: _link(other, current=other == name) for other in PAGES}
+    bar = connection_bar()
     page = pmui.Page(
         title=TITLE,
         meta_title=f"{PAGES[name]} · {TITLE}",
         site_url=f"/{next(iter(PAGES))}",
-        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES), *history_steps(name)],
+        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES), *history_steps(name), bar],
         dark_theme=not light,
         theme_config={"dark": _look("dark"), "light": _look("light")},
         busy_indicator=None,
