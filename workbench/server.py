@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import gc
 import logging
 import os
 import platform
@@ -35,18 +36,6 @@ MESSAGE_LIMIT_BYTES = 8 * 1024 * 1024
 REQUEST_LIMITS = {"max_header_size": 64 * 1024, "max_body_size": 64 * 1024, "body_timeout": 10.0,
                   "idle_connection_timeout": 60.0}  # fmt: skip
 """Nothing here takes a body; who sends one, or a request drop by drop, is not waited for [bytes, s]."""
-WARM = (
-    "workbench.pages.fly",
-    "workbench.pages.curriculum",
-    "workbench.pages.live",
-    "workbench.pages.runs",
-    "workbench.pages.compare",
-    "workbench.pages.paper",
-    "rerun",
-    "viser",
-)
-
-log = logging.getLogger(__name__)
 
 
 class ServeError(SubMasError):
@@ -114,6 +103,7 @@ def _where(lock: Path) -> str:
 
 async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
     from workbench.context import AppContext
+    from workbench.warm_up import warm_up
 
     context, guard = AppContext.of(runs), Guard()
     server = build(context, guard, port)
@@ -122,9 +112,10 @@ async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
     end: asyncio.Future[int] = loop.create_future()
     for number, code in ((signal.SIGINT, INTERRUPTED), (signal.SIGTERM, 0)):
         loop.add_signal_handler(number, lambda code=code: end.done() or end.set_result(code))
+    gc.freeze()  # modules stay: to walk over them in search of garbage stops every page for a third of a second
     server.start()
     _announce(f"http://{HOST}:{server.port}/", guard.token, lock, browser)
-    threading.Thread(target=_warm_up, args=(context,), name="warm-up", daemon=True).start()
+    threading.Thread(target=warm_up, args=(context,), name="warm-up", daemon=True).start()
     queue = asyncio.create_task(tend(context.store))
     try:
         return await end
@@ -200,18 +191,3 @@ def _announce(address: str, token: str, lock: int, browser: bool) -> None:
 def _has_screen() -> bool:
     """On a machine without a screen `webbrowser` would start a text browser in this terminal."""
     return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-
-
-def _warm_up(context: AppContext) -> None:
-    """Load what the first flight, recording, replay and list of runs need, while the person looks at the first page."""
-    import importlib
-
-    from workbench.viewer_files import ensure_viewer
-
-    try:
-        for name in WARM:
-            importlib.import_module(name)
-        context.index.look()
-        ensure_viewer()
-    except Exception as error:  # the page that needs it will say so to the person
-        log.warning("warm-up: %s", error)
