@@ -15,6 +15,7 @@ from layouts.chart import Columns
 from layouts.map2d import named_tracks
 from layouts.motion import KM, motion
 from layouts.ranges import range_columns
+from layouts.recording_clock import CLOCK
 from layouts.scene import TAIL_POINTS, TAIL_S
 from layouts.theme import DARK, GATE, INTERCEPTOR, Rgb, missile_colour, rgb
 from sim.scenario import Battlefield
@@ -24,7 +25,6 @@ from sim.world import Outcome
 APPLICATION = "submas-workbench"
 """No dot in it: Rerun would rename the application."""
 
-CLOCK = "sim_time"
 TRACK_EVERY_S = 0.5
 ORIGIN = np.zeros(3)
 HIDDEN = rrb.PlotLegend(visible=False)

@@ -16,6 +16,9 @@ from workbench.viewer_files import cache_folder
 PREFIXES = "abcdefgh"
 """Entities of the first flight are under `/a`, of the second under `/b`, and so on."""
 
+FORM = 2
+"""Counts changes of what is written of a flight, so that no older file is taken for a new one."""
+
 KEPT = 64
 """Recordings kept in the cache (about 1.5 MB each); the oldest go first."""
 
@@ -76,7 +79,9 @@ def write_recording(path: Path, flights: Mapping[str, Trajectory]) -> None:
     longest_s = max(flight.duration_s for flight in flights.values())
     scale = max(drawing_scale(flight.task.scenario.battlefield) for flight in flights.values())
     recording = rr.RecordingStream(APPLICATION, recording_id=_digest(flights))
-    recording.save(path, default_blueprint=compare_blueprint(titles, longest_s, scale))
+    recording.save(path)
+    # Active, not only the default: a viewer that shows other flights would keep their views and titles.
+    recording.send_blueprint(compare_blueprint(titles, longest_s, scale), make_active=True, make_default=True)
     for (prefix, title), ink in zip(titles.items(), evader_inks(list(flights.values())), strict=False):
         log_flight(recording, prefix, flights[title], ink)
     recording.flush()
@@ -84,7 +89,7 @@ def write_recording(path: Path, flights: Mapping[str, Trajectory]) -> None:
 
 
 def _digest(flights: Mapping[str, Trajectory]) -> str:
-    seal = hashlib.sha256(importlib.metadata.version("rerun-sdk").encode())
+    seal = hashlib.sha256(f"{importlib.metadata.version('rerun-sdk')}|{FORM}".encode())
     for title, flight in flights.items():
         seal.update(f"|{title}|{flight.task.scenario.digest}|{sorted(flight.task.masked)}|".encode())
         seal.update(flight.evader.position_m.tobytes())

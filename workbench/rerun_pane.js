@@ -8,6 +8,7 @@ const varint = (value) => {
   return [...out, Number(rest)]
 }
 const field = (number, content) => [...varint((number << 3) | 2), ...varint(content.length), ...content]
+const SETTLE_TRIES = 300  // a minute
 const NANO = 1e9, PAUSED = [0x28, 1]
 
 function setTime(timeline, seconds) {
@@ -48,10 +49,15 @@ function get(message, ...path) {
   return found
 }
 
+// Kind, application and id of the recording that is shown.
+function active(state) {
+  const name = get(state, 2)
+  return name && new TextDecoder().decode(name)
+}
+
 function cursor(state) {
-  const active = get(state, 2)
-  if (!active) { return undefined }
-  const name = new TextDecoder().decode(active)
+  const name = active(state)
+  if (!name) { return undefined }
   for (const [number, recording] of walk(state)) {
     if (number !== 3 || new TextDecoder().decode(get(recording, 1)) !== name) { continue }
     const nanos = get(recording, 3, 3, 1)
@@ -70,7 +76,7 @@ export function render({model}) {
   cover.className = "cover"
   cover.textContent = "Opening the Rerun viewer (14 MB the first time) …"
   root.append(frame, cover)
-  let handle = null, now = model.start, wanted = null, last = null, busy = false, channel = 0
+  let handle = null, now = model.start, wanted = null, last = null, busy = false, channel = 0, tries = 0
 
   const fail = (sentence) => { cover.textContent = sentence; cover.classList.remove("gone"); model.error = sentence }
 
@@ -82,10 +88,19 @@ export function render({model}) {
     handle.open_channel(id, model.recording)
     handle.send_rrd_to_channel(id, content)  // each call must be one whole recording
     handle.close_channel(id)
-    last = null
-    wanted = now
+    tries = SETTLE_TRIES
     cover.classList.add("gone")
-    setTimeout(push, 400)
+  }
+
+  // A new recording begins at 0 once the viewer has read it, and until then it takes no time and tells that of the old one.
+  function settle() {
+    let state
+    try { state = handle.viewer_state() } catch { tries = 0; return }
+    const name = active(state), time = cursor(state)
+    if (name && model.recording.includes(name.split(":").pop()) && Math.abs((time ?? -1) - now) < 0.05) { tries = 0; last = now; return }
+    tries -= 1
+    wanted = now
+    push()
   }
 
   async function push() {
@@ -120,7 +135,7 @@ export function render({model}) {
   const watch = setInterval(() => {
     const inside = frame.contentWindow
     if (!handle && inside?._handle) { handle = inside._handle; model.ready = true; load() }
-    look()
+    if (handle && tries > 0) { settle() } else { look() }
   }, 200)
   window.addEventListener("flight-time", onTime)
   model.on("recording", load)

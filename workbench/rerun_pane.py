@@ -8,7 +8,7 @@ from typing import ClassVar
 import param
 from panel.custom import JSComponent
 
-from layouts.blueprint import CLOCK
+from layouts.recording_clock import CLOCK
 
 
 class RerunPane(JSComponent):

@@ -50,9 +50,11 @@ class StickWidgets:
         self.steer_on = _button("Steer on", "sports_esports", "outlined", STEER_ON_HELP)
         self.back = _button("Back to the original", "undo", "outlined", "Back to the original: remove the branch")
         self.charts = pn.Row(sizing_mode="stretch_width", margin=0, stylesheets=[CHARTS_CSS])
+        # A grid of its own display cannot be hidden; what is around it can.
+        self._below = pn.Column(self.charts, sizing_mode="stretch_width", margin=0)
         self._choice, self._live, self._branch = self._rows()
         self.layout = pn.Column(
-            self.problem, self._choice, self._live, self._branch, self.charts,
+            self.problem, self._choice, self._live, self._branch, self._below,
             sizing_mode="stretch_width", margin=0, styles={"gap": "8px"}, css_classes=["take-the-stick"],
         )  # fmt: skip
         self.show(live=False, branch=False)
@@ -61,7 +63,7 @@ class StickWidgets:
         """Show what belongs to choosing, to flying by hand, or to a branch that has been flown."""
         self._choice.visible = not live
         self._live.visible = live
-        self._branch.visible = self.charts.visible = branch and not live
+        self._branch.visible = self._below.visible = branch and not live
 
     def tell(self, over: bool) -> None:
         """Say whether there is a flight left to take over."""

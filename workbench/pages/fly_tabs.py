@@ -18,6 +18,9 @@ from workbench.pages.fly_figures import ChartPairs, Pair, Sight
 from workbench.pages.fly_look import TABS, FlyLook
 from workbench.recordings import Recordings
 
+# Here, not where it is made: a browser is told of a component's kind with the page, or never.
+from workbench.rerun_pane import RerunPane
+
 RERUN = "Rerun"
 RERUN_HEIGHT = 620
 TABS_SX = {"& .MuiTab-root": {"minWidth": 0, "padding": "10px 13px"}}
@@ -141,8 +144,6 @@ class FlightTabs:
             pn.state.execute(self._open_rerun, schedule=True)
 
     async def _open_rerun(self) -> None:
-        from workbench.rerun_pane import RerunPane
-
         flights = self._recorded
         address = f"/rrd/{await asyncio.to_thread(self._recordings.compare, flights)}"
         if flights is not self._recorded:
