@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -107,7 +107,7 @@ def environment(tree: Path) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(tree), "CI": os.environ.get("CI", "1"), "PYTEST_ADDOPTS": ""}
 
 
-def assert_green(tree: Path, mutants: Sequence[Mutant], say: object = None) -> None:
+def assert_green(tree: Path, mutants: Sequence[Mutant], say: Callable[[str], None]) -> None:
     """Run every test of these mutants once on the program as it is.
 
     Raises:
@@ -117,8 +117,7 @@ def assert_green(tree: Path, mutants: Sequence[Mutant], say: object = None) -> N
     code, output, seconds = run_tests(tests, tree, limit_s=1800.0, stop=False)
     if code != 0:
         raise MutantError(f"the tests fail on the program as it is (pytest's code {code}):\n{output[-4000:]}")
-    if callable(say):
-        say(f"{len(tests)} tests are green on the program as it is, {duration(seconds)}")
+    say(f"{len(tests)} tests are green on the program as it is, {duration(seconds)}")
 
 
 def judged(each: Mutant, tree: Path, limit_s: float) -> Iterator[Verdict]:
@@ -141,7 +140,7 @@ def _why_not(code: int) -> str:
 
 
 def run_tests(tests: Sequence[str], tree: Path, limit_s: float, stop: bool = True) -> tuple[int, str, float]:
-    """pytest's exit code (TIMED_OUT where it had to be ended), what it printed, and how long it took [s]."""
+    """The exit code of pytest (TIMED_OUT where it had to be ended), what it printed, and how long it took [s]."""
     command = [sys.executable, "-m", "pytest", *tests, "-q", "-rfE", "--no-header", "-p", "no:cacheprovider"]
     began_s = time.monotonic()
     with tempfile.TemporaryFile("w+") as log:
@@ -174,9 +173,8 @@ def _line(number: int, chosen: Sequence[Mutant], verdicts: Sequence[Verdict], pa
     left_s = passed_s / (number + 1) * (len(chosen) - number - 1)
     each, mine = chosen[number], [verdict for verdict in verdicts if verdict.mutant is chosen[number]]
     word = SEEN if all(verdict.seen for verdict in mine) else NOT_SEEN
-    return (
-        f"{number + 1}/{len(chosen)} {each.bar} {word}: {each.fault} ({mine[0].reason[:80]}), {duration(left_s)} left"
-    )
+    reason = mine[0].reason[:80]
+    return f"{number + 1}/{len(chosen)} {each.bar} {word}: {each.fault} ({reason}), {duration(left_s)} left"
 
 
 def report(verdicts: Sequence[Verdict], as_json: bool, wall_s: float) -> None:

@@ -5,9 +5,9 @@ const AGAIN_MS = 20_000  // a page that is lost again at once is not opened anew
 const LAST = "connection-bar-reload"
 const WORDS = {
   cut: "The connection to the workbench was cut. Trying again …",
-  stopped: "The workbench does not answer: it was stopped, or cannot be reached from here. Trainings go on. " +
-    "Start it again with workbench serve and open the address that it prints.",
-  restarted: "The workbench was started again and has a new token. Open the address that it printed.",
+  stopped: "No answer: the workbench was stopped or cannot be reached. Trainings go on. " +
+    "Start it again (workbench serve) and open the address it prints.",
+  restarted: "The workbench was started again, with a new token. Open the address it printed.",
   stale: "This page was cut off and is no longer current. Reload it: what you see is in its address.",
 }
 const CSS = `

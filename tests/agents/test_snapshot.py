@@ -133,6 +133,14 @@ def test_the_numbers_of_the_snapshot_count_and_not_those_of_today() -> None:
     assert_same_end(recorded(CURRICULUM, uninterrupted.snapshots[3], learning_rate=0.01, lanes=4), uninterrupted)
 
 
+def test_the_weights_of_transfer_go_on_where_they_were() -> None:
+    # In the curriculum above nothing succeeds, so that α and ε stay where they began.
+    uninterrupted = whole(SINGLE, epochs=5, evaluate_every=1)
+    snapshot = uninterrupted.snapshots[1]
+    assert snapshot.values["alpha"] < 1.0 and snapshot.values["epsilon"] < uninterrupted.snapshots[0].values["epsilon"]
+    assert_same_end(recorded(SINGLE, snapshot), uninterrupted)
+
+
 def test_times_go_on() -> None:
     first = whole(CURRICULUM).snapshots[4]
     older = dataclasses.replace(first, values={**first.values, "wall_s": 1000.0, "cpu_s": 900.0})

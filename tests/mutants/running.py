@@ -152,5 +152,6 @@ RUNNING: Final = (
            "                os.rename(run.path, target)\n        except OSError as error:\n"
            '            raise RunsFolderError(f"run {run_id} cannot be deleted',
            "                shutil.rmtree(run.path)\n        except OSError as error:\n"
-           '            raise RunsFolderError(f"run {run_id} cannot be deleted', RUNS + "test_a_deleted_run_comes_back_whole"),
+           '            raise RunsFolderError(f"run {run_id} cannot be deleted',
+           RUNS + "test_a_deleted_run_comes_back_whole"),
 )  # fmt: skip
