@@ -66,6 +66,7 @@ def _of_training(training: Training, result: ResultSet, runs: Collection[str]) -
         ("state", training.state),
         ("why", training.error),
         ("run", _run(training.run, runs)),
+        ("resumed", f"{training.resumes} times" if training.resumes else ""),
         ("time by the clock", duration(training.wall_s)),
         ("processor time", duration(training.cpu_s)),
         ("environment steps", f"{training.env_steps / 1e6:.2f} million"),

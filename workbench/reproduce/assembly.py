@@ -31,6 +31,7 @@ class Ended:
     state: str
     run: str
     wall_s: float = 0.0
+    resumes: int = 0
     error: str = ""
     stages: Mapping[str, StageRecord] = field(default_factory=dict)
     """By the name of the task."""
@@ -106,6 +107,7 @@ def _training(plan: Plan, one: Ended) -> Training:
         env_steps=sum(stage.env_steps for stage in one.stages.values()),
         command=command,
         error=one.error,
+        resumes=one.resumes,
     )
 
 

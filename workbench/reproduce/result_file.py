@@ -43,7 +43,7 @@ def to_text(result: ResultSet) -> str:
     lines = [f"  {json.dumps(name)}: {_compact(value)}" for name, value in sorted(head.items())]
     for name in (name for name in LISTS if values[name] or name not in OPTIONAL):
         # What is empty stands for itself.
-        rows = ",\n".join(f"    {_compact({key: v for key, v in row.items() if v != ''})}" for row in values[name])
+        rows = ",\n".join(f"    {_compact({k: v for k, v in row.items() if _says(k, v)})}" for row in values[name])
         lines.append(f'  "{name}": [\n{rows}\n  ]' if rows else f'  "{name}": []')
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
@@ -125,6 +125,10 @@ def _tuples(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _tuples(item) for name, item in value.items()}
     return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+
+
+def _says(name: str, value: Any) -> bool:
+    return value != "" and (name != "resumes" or value != 0)
 
 
 def _compact(value: Any) -> str:

@@ -71,6 +71,8 @@ class Training:
     """Command line that trains the same."""
     error: str = ""
     """Why it failed."""
+    resumes: int = 0
+    """How often it went on from a checkpoint, after a pause, a stop or a death."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -101,6 +101,7 @@ def _finished(config: TrainingConfig, run: Run) -> Ended:
         state="finished",
         run=run.id,
         wall_s=run.state.wall_s,
+        resumes=run.state.resumes + run.state.retries,
         stages=stage_records(run.metrics()),
         policies={path.stem: file_digest(path) for path in files},
     )
@@ -115,5 +116,6 @@ def _failed(config: TrainingConfig, run: Run | None, run_id: str) -> Ended:
         state=state.state if state else "failed",
         run=run_id,
         wall_s=state.wall_s if state else 0.0,
+        resumes=state.resumes + state.retries if state else 0,
         error=f"{words(config)}, run {run_id}: {reason}",
     )

@@ -21,6 +21,17 @@ def test_what_is_written_is_read(item: Item, tmp_path: Path) -> None:
     assert load(tmp_path / "new" / "a.json") == result
 
 
+def test_how_often_a_training_was_resumed_is_written_and_read(tmp_path: Path) -> None:
+    # R22: what a number rests on; trainings that nothing interrupted are written as before.
+    result = made("table4", seeds=2)
+    resumed = dataclasses.replace(result.trainings[0], resumes=3)
+    result = dataclasses.replace(result, trainings=(resumed, *result.trainings[1:]))
+    save(result, tmp_path / "a.json")
+    assert load(tmp_path / "a.json") == result
+    assert to_text(result).count('"resumes":3') == to_text(result).count('"resumes"') == 1
+    assert '"resumes"' not in to_text(made("table4"))
+
+
 @pytest.mark.parametrize("item", ["table4", "fig8", "fig9"])
 def test_ten_seeds_make_a_small_file(item: Item) -> None:
     curves = {"table4": 0, "fig8": 200, "fig9": 40}[item]
