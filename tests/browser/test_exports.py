@@ -10,14 +10,18 @@ from pathlib import Path
 import pytest
 from bokeh.embed import file_html
 from bokeh.resources import INLINE
+from PIL import Image
 from playwright.sync_api import Page, Route, expect
 
 from layouts.azimuth import azimuth_chart
 from sim.world import Outcome
+from tests.conftest import Served
 from tests.workbench.flights import ending
+from workbench.branch import Branch
+from workbench.branch_text import branch_text
 from workbench.exports import export
 
-SLOW_MS = 60_000
+SLOW_MS = 180_000
 
 
 @pytest.fixture
@@ -41,6 +45,51 @@ def replay(tmp_path: Path) -> Path:
     path = tmp_path / "both.html"
     export(ending(Outcome.EXIT), path, ending(Outcome.SHOT_DOWN))
     return path
+
+
+def _chosen(visitor: Page, entry: str, folder: Path) -> Path:
+    """The file that an entry of the export menu saves."""
+    visitor.locator(".export > button").click()
+    with visitor.expect_download(timeout=SLOW_MS) as download:
+        visitor.get_by_role("menuitem", name=entry).click()
+    path = folder / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
+
+
+def test_a_page_hands_out_its_flights_with_the_branch_and_a_picture_of_the_scene(
+    visitor: Page, served: Served, tmp_path: Path
+) -> None:
+    branch = Branch("B", 330, (200,) * 40 + (170,) * 20, "submas-target")
+    visitor.goto(f"{served.address}/fly?seed=2&t=360&branch={branch_text(branch)}")
+    expect(visitor.locator(".card.branch")).to_be_visible()
+    table = _chosen(visitor, "B′ · csv", tmp_path)
+    assert table.name == "flight-2-B-from-330s-by-hand-then-submas-target.csv"
+    assert table.read_bytes().startswith(b"time_s,evader_x_m,")
+    with Image.open(_chosen(visitor, "gif Animation", tmp_path)) as animation:
+        assert animation.n_frames > 100  # pyright: ignore[reportAttributeAccessIssue]
+        assert b"from 330 s by hand, then submas-target" in animation.info["comment"]
+    replay = _chosen(visitor, "html Replay", tmp_path)
+    expect(visitor.locator(".cover.gone")).to_have_count(1)
+    with visitor.expect_download(timeout=SLOW_MS) as download:
+        visitor.get_by_role("button", name="PNG", exact=True).click()
+    with Image.open(download.value.path()) as picture:
+        assert (picture.format, picture.width) == ("PNG", 1920)
+        assert len(picture.convert("RGB").getcolors(maxcolors=10**7) or []) > 100
+    expect(visitor.get_by_role("button", name="PNG", exact=True)).to_be_visible()
+    asked: list[str] = []
+    visitor.on("request", lambda request: asked.append(request.url))
+    visitor.context.set_offline(True)
+    visitor.goto(f"{replay.as_uri()}#t=360")
+    expect(visitor.get_by_role("heading", name="B′ · from 5:30 by hand, then submas-target")).to_be_visible()
+    visitor.get_by_role("button", name=re.compile("handed over to submas-target")).click()
+    expect(visitor.locator("#now")).to_have_text("6:30")
+    before = visitor.locator("#scene").screenshot()
+    visitor.get_by_role("button", name="Follow B′").click()
+    visitor.get_by_role("button", name="Play or pause").click()
+    expect(visitor.locator("#now")).not_to_have_text("6:30")
+    assert visitor.locator("#scene").screenshot() != before
+    assert [url for url in asked if not url.startswith(("file:", "blob:", "data:"))] == []
 
 
 def test_the_replay_plays_from_a_disk_and_asks_nobody(

@@ -28,6 +28,9 @@ def test_the_other_policy_flies_on_and_a_reload_shows_the_same_branch(visitor: P
     expect(branch).to_contain_text("from 5:30 SubMas-RL, target task (shipped)")
     expect(branch).to_contain_text("B: ✗ Shot down by missile 3")
     expect(visitor.locator(".events .who", has_text="B′").first).to_be_visible()
+    expect(visitor.locator(".events .what", has_text="leaves B: submas-target")).to_be_visible()
+    compared = visitor.locator(".take-the-stick .bk-Figure")
+    expect(compared).to_have_count(3)
     expect(visitor).to_have_url(re.compile("branch=B%2C330%2Csubmas-target"))
     told = branch.inner_text()
     visitor.reload()
@@ -35,6 +38,7 @@ def test_the_other_policy_flies_on_and_a_reload_shows_the_same_branch(visitor: P
     assert branch.inner_text() == told
     visitor.get_by_role("button", name="Back to the original").click()
     expect(branch).to_be_hidden()
+    expect(compared.first).to_be_hidden()
     expect(visitor).not_to_have_url(re.compile("branch="))
     expect(visitor.locator(".events .who", has_text="B′")).to_have_count(0)
 

@@ -8,6 +8,7 @@ from agents.config import TrainingConfig
 from sim.errors import ScenarioError, SubMasError
 from workbench.context import AppContext
 from workbench.estimate import epoch_seconds, usual_s
+from workbench.launcher import cpu_count
 from workbench.pages.address import fly_address
 from workbench.pages.live_cards import event_list
 from workbench.pages.live_chain import Learned, chain_json
@@ -17,6 +18,7 @@ from workbench.pages.live_head import head_facts
 from workbench.pages.live_list import list_lines, listed, watched_json
 from workbench.pages.live_settings import LiveSettings
 from workbench.pages.live_watch import RunWatch
+from workbench.queue_place import QueuePlace, queue_place
 from workbench.run_files import RunFileError, read_json
 from workbench.run_index_query import RunSearch
 from workbench.run_index_record import RunRecord
@@ -68,7 +70,8 @@ class LiveDesk:
         self._watches: dict[str, RunWatch] = {}
         self._likely: dict[str, float | None] = {}
         self._listed: object = None
-        self._drawn: LiveSettings | None = None
+        self._drawn: tuple[LiveSettings, QueuePlace | None] | None = None
+        self._queue: tuple[object, QueuePlace | None] = (None, None)
 
     def look(self, settings: LiveSettings, follow: bool = True) -> LiveLook:
         """What this view shows now; without `follow` from the index as it stands, which is quick."""
@@ -111,12 +114,14 @@ class LiveDesk:
     def _run(self, settings: LiveSettings) -> LiveRun | None:
         self._forget(settings)
         changed = [self._watch(run_id).look() for run_id in (settings.run, *self._known(settings.beside))]
-        if not any(changed) and settings == self._drawn:
-            return None
-        self._drawn = settings
         watch = self._watches[settings.run]
         state, config = watch.run.state, watch.run.config
-        facts = head_facts(watch.run, state, watch.last, self._usual(watch.run.id, config, state), *self._policy(watch))
+        place = self._place(watch.run.id, state)
+        if not any(changed) and (settings, place) == self._drawn:
+            return None
+        self._drawn = settings, place
+        likely_s = self._usual(watch.run.id, config) if state.state == "running" else None
+        facts = head_facts(watch.run, state, watch.last, likely_s, *self._policy(watch), place)
         problem = watch.problem
         try:
             chain = chain_json(_learned(watch, config, state))
@@ -162,10 +167,21 @@ class LiveDesk:
             latest_values(first.columns),
         )
 
-    def _usual(self, run_id: str, config: TrainingConfig, state: RunState) -> float | None:
-        """How long such trainings usually take [s]: looked up once for a run that is under way."""
-        if state.state != "running":
+    def _place(self, run_id: str, state: RunState) -> QueuePlace | None:
+        """Where a waiting run stands in the queue, asked again whenever a run under way has changed."""
+        if state.state != "queued":
             return None
+        seen = (self._index.version, run_id)
+        if self._queue[0] != seen:
+            records = self._index.find(RunSearch(chosen={"state": ACTIVE}))
+            alive = {each.id: self._store.get(each.id) for each in records if not each.problem}
+            states = {each: run.state for each, run in alive.items() if not run.problem}
+            place = queue_place(run_id, states, cpu_count(), lambda each: self._usual(each, alive[each].config))
+            self._queue = seen, place
+        return self._queue[1]
+
+    def _usual(self, run_id: str, config: TrainingConfig) -> float | None:
+        """How long such trainings usually take [s]: looked up once for a run."""
         if run_id not in self._likely:
             records = self._index.find(
                 RunSearch(chosen={"variant": (config.variant,), "profile": (config.profile,)}), most=MOST_LOOKED_AT

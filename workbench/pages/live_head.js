@@ -79,6 +79,7 @@ export function render({model}) {
   function tick() {
     if (!facts.id) return
     const since = facts.state === "running" ? (performance.now() - told) / 1000 : 0, parts = []
+    if (facts.where) parts.push(facts.where)
     if (facts.worked_s || facts.state === "running") parts.push(`${clock(facts.worked_s + since)} worked`)
     if (facts.likely_s !== null) parts.push(`usually ${clock(facts.likely_s - since)} left`)
     if (facts.most_s !== null) parts.push(`at most ${clock(facts.most_s - since)} left`)

@@ -12,6 +12,7 @@ from panel.custom import JSComponent
 from workbench.pages.live_cards import STATE_COLOURS
 from workbench.pages.live_words import Wish, advice, command, now_words, spoken, tab_title
 from workbench.policies import title
+from workbench.queue_place import QueuePlace
 from workbench.run_state import RunState
 from workbench.runs import Run
 from workbench.scenarios import other_scenario
@@ -31,8 +32,9 @@ class LiveHead(JSComponent):
 
 
 def head_facts(
-    run: Run, state: RunState, last: dict[str, Any] | None, likely_s: float | None, fly: str, newest: str
-) -> str:
+    run: Run, state: RunState, last: dict[str, Any] | None, likely_s: float | None, fly: str, newest: str,
+    place: QueuePlace | None = None,
+) -> str:  # fmt: skip
     """What `LiveHead` shows of a run.
 
     Args:
@@ -42,6 +44,7 @@ def head_facts(
         likely_s: how long trainings like this usually take [s], where that is known.
         fly: address of its newest policy; empty while it has none.
         newest: which policy that is.
+        place: of a waiting run, its place in the queue.
     """
     wish = Wish(run.pause_requested(), run.stop_requested()) if state.state in ("running", "stalled") else Wish()
     name = title(run.config)
@@ -51,7 +54,8 @@ def head_facts(
         "scenario": other_scenario(run.config.scenario),
         "state": state.state,
         "ink": STATE_COLOURS[state.state],
-        "now": now_words(state, last),
+        "now": now_words(state, last, place),
+        "where": f"on {state.where}" if state.engine and state.node else "",
         "advice": advice(state, wish),
         "error": state.error,
         "progress": state.progress,

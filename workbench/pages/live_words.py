@@ -8,10 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from workbench.queue_place import QueuePlace
 from workbench.run_state import RunState
 from workbench.terminal import duration, percent
 
 DEFAULT_FOLDER = "runs"
+SOON_S = 10.0
+"""What is sooner is not counted."""
 
 
 @dataclass(frozen=True)
@@ -22,14 +25,25 @@ class Wish:
     stop: bool = False
 
 
-def now_words(state: RunState, row: Mapping[str, Any] | None) -> str:
-    """Where the training is."""
+def now_words(state: RunState, row: Mapping[str, Any] | None, place: QueuePlace | None = None) -> str:
+    """Where the training is, and of a waiting one its `place` in the queue."""
     if state.state == "queued":
-        return "waits for a free core"
+        return f"waits for a free core{_place_words(place)}" if not state.engine else "waits for a node of its cluster"
     if row is None:
         return "starting: the first epoch is under way" if state.state == "running" else "no epoch was finished"
     stage = f"stage {row['stage'] + 1} of {row['stages']} · " if row["stages"] > 1 else ""
     return f"{stage}{row['task']} · epoch {row['epoch']} of at most {row['epochs']}"
+
+
+def _place_words(place: QueuePlace | None) -> str:
+    if place is None:
+        return ""
+    nth = {1: "the next", 2: "the second", 3: "the third"}.get(place.place, f"number {place.place}")
+    words = f", {nth} of {place.waiting} in the queue" if place.waiting > 1 else ", the only one in the queue"
+    if place.starts_s is None:
+        return words
+    when = f"in about {duration(place.starts_s)}" if place.starts_s >= SOON_S else "soon"
+    return f"{words}; starts {when}"
 
 
 def advice(state: RunState, wish: Wish) -> str:
@@ -40,7 +54,8 @@ def advice(state: RunState, wish: Wish) -> str:
     if state.state == "running" and wish.pause:
         return "It pauses at the end of this epoch, when everything it goes on from is saved."
     return {
-        "queued": "It starts by itself as soon as a core is free; pausing or stopping takes it out of the queue.",
+        "queued": f"It starts by itself as soon as a {'node' if state.engine else 'core'} is free; pausing or stopping "
+        "takes it out of the queue.",
         "stalled": "Its process lives but has given no sign for long. A machine that slept recovers by itself; else "
         "end the process and resume from the last checkpoint.",
         "paused": f"Paused with {done} done, and everything is saved. Resume it and it goes on bit for bit.",

@@ -20,6 +20,7 @@ from tests.workbench.pages.page_sessions import do, opened_live
 from workbench import launcher
 from workbench.context import AppContext
 from workbench.pages import live as live_page
+from workbench.pages import live_desk
 from workbench.pages.address import search
 from workbench.pages.live import LivePage
 from workbench.pages.live_cards import event_list
@@ -203,6 +204,34 @@ def test_pause_stop_and_resume_reach_the_run_and_are_seen_in_every_tab(app: AppC
     do(other.act("resume"))
     assert run.state.state == "queued"
     assert run.state.resumes == 1
+
+
+def test_a_waiting_run_says_its_place_and_when_it_starts(app: AppContext, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live_desk, "cpu_count", lambda: 1)
+    worker, first, second = learning(app), learning(app), learning(app)
+    lock = worker.claim()
+    for number, run in enumerate((first, second)):
+        run.write_state(RunState("queued", created=f"2026-01-01T00:00:0{number}"))
+    page = opened_live(app, run=first.id)
+    assert facts(page)["now"] == "waits for a free core, the next of 2 in the queue; starts in about 1:00"
+    worker.write_state(RunState("running", eta_s=25.0, wall_s=115.0))
+    do(page.refresh())
+    assert facts(page)["now"].endswith("starts in about 0:25")
+    do(opened_live(app, run=second.id).refresh())
+    os.close(lock or 0)
+
+
+def test_a_run_of_a_cluster_says_where_it_works(app: AppContext) -> None:
+    run = learning(app)
+    run.write_state(RunState("queued", engine="ray"))
+    lock = run.claim()
+    page = opened_live(app, run=run.id)
+    assert facts(page)["now"] == "waits for a node of its cluster"
+    assert "as soon as a node is free" in facts(page)["advice"]
+    run.write_state(RunState("running", engine="ray", node="node-3, 16 cores", retries=1))
+    do(page.refresh())
+    assert facts(page)["where"] == "on node-3, 16 cores, begun again 1 time"
+    os.close(lock or 0)
 
 
 def test_what_is_not_possible_any_more_is_no_crash(app: AppContext) -> None:
