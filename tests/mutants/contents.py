@@ -78,7 +78,7 @@ CONTENTS: Final = (
     mutant("S12", "a training gets every variable of who launches it", "workbench/launcher.py",
            "    kept = {name: os.environ[name] for name in INHERITED if name in os.environ}\n",
            "    kept = dict(os.environ)\n",
-           "tests/reliability/test_launcher.py::test_a_training_process_gets_few_variables_and_one_thread"),
+           "tests/reliability/test_training_process.py::test_a_training_process_gets_few_variables_and_one_thread"),
     # S13: what is typed is never worked out.
     mutant("S13", "what is searched for is put into the statement", "workbench/run_index_query.py",
            '        parts.append("instr(haystack, ?) = 0" if absent else "instr(haystack, ?) > 0")\n'

@@ -8,6 +8,8 @@ from tests.mutants.mutant import mutant
 
 RELIABILITY: Final = "tests/reliability/"
 LAUNCHER: Final = RELIABILITY + "test_launcher.py::"
+READERS: Final = RELIABILITY + "test_readers.py::"
+PROCESS: Final = RELIABILITY + "test_training_process.py::"
 RESUME: Final = RELIABILITY + "test_resume.py::"
 SERVER: Final = RELIABILITY + "test_server.py::"
 OLD: Final = RELIABILITY + "test_old_runs.py::"
@@ -42,7 +44,7 @@ RUNNING: Final = (
            "        _ = run.config, run.state\n    except RunFileError as error:",
            "        _ = run.config, run.state\n    except FileNotFoundError as error:",
            RUNS + "test_one_bad_run_never_hides_the_others[config is not JSON]",
-           SERVER + "test_bad_runs_never_hide_the_others_on_any_page[runs]"),
+           INDEX + "test_one_bad_run_never_hides_the_others[config is not JSON]"),
     # R9: dead is interrupted, silent is stalled, a reused pid is neither.
     mutant("R9", "a run is taken to live as long as its process number does", "workbench/run_folder.py",
            '        return is_locked(self.path / "run.lock")\n',
@@ -57,10 +59,10 @@ RUNNING: Final = (
     # R10: pages may die, trainings do not.
     mutant("R10", "trainings hear the Ctrl-C of who launched them", "workbench/launcher.py",
            "            start_new_session=True,\n", "",
-           LAUNCHER + "test_a_ctrl_c_where_it_was_launched_does_not_reach_a_training"),
+           PROCESS + "test_a_ctrl_c_where_it_was_launched_does_not_reach_a_training"),
     mutant("R10", "a training does not inherit its run's lock", "workbench/launcher.py",
            "            pass_fds=tuple(locks),\n", "",
-           LAUNCHER + "test_a_training_outlives_the_process_that_launched_it"),
+           PROCESS + "test_a_training_outlives_the_process_that_launched_it"),
     # R11: started once, within the limit.
     mutant("R11", "launchers do not take turns", "workbench/launcher.py",
            "        with waiting_lock(store.root / LAUNCHER_LOCK):\n            runs = _good_runs(store)\n",
@@ -110,10 +112,10 @@ RUNNING: Final = (
     # R16: a reader never sees half an epoch.
     mutant("R16", "a reader does not notice that rows are made again", "workbench/run_files.py",
            "        if self._inode not in (0, inode):\n", "        if False:\n",
-           RESUME + "test_a_reader_begins_again_when_rows_are_made_again"),
+           READERS + "test_a_reader_begins_again_when_rows_are_made_again"),
     mutant("R16", "a reader takes half a row for read", "workbench/run_files.py",
            "            self._offset += complete\n", "            self._offset += len(chunk)\n",
-           RESUME + "test_readers_beside_a_writer_see_whole_epochs_only"),
+           READERS + "test_readers_beside_a_writer_see_whole_epochs_only"),
     # R17: old runs open for ever.
     mutant("R17", "a key of a later version makes a state unreadable", "workbench/run_state.py",
            'if value.get("state") not in STATES:',
@@ -145,6 +147,18 @@ RUNNING: Final = (
            'silent = written.state == "running" and written.silent(time.monotonic())',
            'silent = datetime.fromisoformat(written.updated).year < datetime.now().year',
            CLOCK),
+    # R21: a page that lost its server says so.
+    mutant("R21", "pages say nothing of a server that was stopped", "workbench/app.py", "*history_steps(name), bar],",
+           "*history_steps(name)],",
+           "tests/browser/test_reconnect.py::test_a_stopped_server_and_one_that_was_started_again_are_sentences"),
+    # R22: every number traces back.
+    mutant("R22", "a result set does not tell how often a training was resumed", "workbench/reproduce/result_file.py",
+           '    return value != "" and (name != "resumes" or value != 0)\n',
+           '    return value != "" and name != "resumes"\n',
+           "tests/workbench/reproduce/test_result_file.py::test_how_often_a_training_was_resumed_is_written_and_read"),
+    mutant("R22", "a number does not tell which run it came from", "workbench/reproduce/assembly.py",
+           "        run=run,\n", '        run="",\n',
+           "tests/workbench/reproduce/test_session.py::test_a_training_that_somebody_else_runs_is_waited_for"),
     # R23: deleting can be undone, and is refused while a run is alive.
     mutant("R23", "a running run can be deleted", "workbench/runs.py",
            "                _refuse_while_alive(run)\n", "", RUNS + "test_a_running_run_cannot_be_deleted"),

@@ -12,7 +12,7 @@ CRASH: Final = RELIABILITY + "test_crash_points.py::"
 DAMAGED: Final = RELIABILITY + "test_damaged_checkpoints.py::"
 LAUNCHER: Final = RELIABILITY + "test_launcher.py::"
 SNAPSHOT: Final = "tests/agents/test_snapshot.py::"
-INDEX: Final = "tests/workbench/test_run_index.py::"
+SERVER: Final = RELIABILITY + "test_server.py::"
 ANY_STEP: Final = CRASH + "test_a_crash_at_any_step_of_a_run_leaves_a_run_that_goes_on"
 REFUSED: Final = CRASH + "test_a_step_that_is_refused_is_an_error_and_never_silence"
 FALLBACK: Final = DAMAGED + "test_a_damaged_checkpoint_is_refused_by_name_and_the_one_before_is_taken"
@@ -98,10 +98,9 @@ SAVING: Final = (
     mutant("R7", "temporary files stay when the disk is full", "agents/disk.py",
            "        with contextlib.suppress(OSError):\n            disk.remove(temporary)\n", "",
            CRASH + "test_a_full_disk_fails_the_run_and_space_lets_it_go_on"),
-    mutant("R7", "an index that finds no space closes the pages", "workbench/run_index.py",
-           "except sqlite3.OperationalError as error:\n            self._keep_in_memory(str(error))\n        return",
-           "except sqlite3.ProgrammingError as error:\n            self._keep_in_memory(str(error))\n        return",
-           INDEX + "test_a_full_disk_does_not_hide_the_runs"),
+    mutant("R7", "a server that cannot write its address into the lock does not start", "workbench/server.py",
+           "    with contextlib.suppress(OSError):  # a full disk", "    with contextlib.nullcontext():  # a full disk",
+           SERVER + "test_a_full_disk_keeps_no_page_shut"),
     # R8: a save that did not happen is an error.
     mutant("R8", "a checkpoint that cannot be written is passed over", "workbench/checkpoints.py",
            "            if isinstance(error, OSError):\n                raise",

@@ -13,12 +13,11 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 
 from agents.config import TrainingConfig
-from workbench import launcher, training
+from workbench import launcher
 from workbench.launcher import drain, launch, stop_now, tend
 from workbench.runs import Run, RunStore
 
@@ -176,34 +175,6 @@ def test_divergence_is_reported_and_never_plotted_as_zero(store: RunStore, confi
     assert "NaN" not in (run.path / "metrics.jsonl").read_text()
 
 
-def test_a_training_outlives_the_process_that_launched_it(store: RunStore, config: Config, wait: Wait) -> None:
-    # R10: the launcher is killed without a chance to say goodbye.
-    run = store.create(config("epochs=40 epoch_s=0.02"))
-    code = (
-        "import os, signal; from workbench import launcher; from workbench.runs import RunStore;"
-        f"launcher.ENTRY = {launcher.ENTRY!r};"
-        f"assert launcher.drain(RunStore({str(store.root)!r})); os.kill(os.getpid(), signal.SIGKILL)"
-    )
-    ended = subprocess.run([sys.executable, "-c", code], env=launcher.environment(), check=False)
-    assert ended.returncode == -signal.SIGKILL
-    assert run.state.state == "running"
-    wait(run, "finished")
-
-
-def test_a_ctrl_c_where_it_was_launched_does_not_reach_a_training(store: RunStore, config: Config, wait: Wait) -> None:
-    # R10: a terminal sends it to every process of its foreground group; "trainings go on", says the server.
-    run = store.create(config("epochs=40 epoch_s=0.02"))
-    code = (
-        "import os, signal; from workbench import launcher; from workbench.runs import RunStore;"
-        f"launcher.ENTRY = {launcher.ENTRY!r};"
-        f"assert launcher.drain(RunStore({str(store.root)!r}));"
-        "signal.signal(signal.SIGINT, signal.SIG_IGN); os.killpg(0, signal.SIGINT); os.killpg(0, signal.SIGINT)"
-    )
-    subprocess.run([sys.executable, "-c", code], env=launcher.environment(), check=True, start_new_session=True)
-    wait(run, "finished")
-    assert len(run.metrics()) == 40
-
-
 def test_a_run_is_not_trained_twice(store: RunStore, config: Config, wait: Wait) -> None:
     run = launch(store, config("epochs=100 epoch_s=0.1"))
     assert _train_by_hand(run) == (1, f"workbench: run {run.id} is already being trained by another process\n")
@@ -213,13 +184,6 @@ def test_a_run_is_not_trained_twice(store: RunStore, config: Config, wait: Wait)
     assert _train_by_hand(run) == (1, f"workbench: run {run.id} is not waiting to be trained: it is stopped\n")
 
 
-def test_a_training_process_gets_few_variables_and_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SECRET_TOKEN", "hush")
-    environment = launcher.environment()
-    assert "SECRET_TOKEN" not in environment
-    assert environment["OMP_NUM_THREADS"] == "1"
-
-
 def test_a_metrics_file_that_cannot_be_written_fails_the_run(store: RunStore, config: Config, wait: Wait) -> None:
     # R8: a save that did not happen is an error. A folder in the file's place works also for the superuser.
     run = store.create(config())
@@ -227,13 +191,6 @@ def test_a_metrics_file_that_cannot_be_written_fails_the_run(store: RunStore, co
     drain(store)
     wait(run, "failed")
     assert run.state.error == "metrics.jsonl cannot be read: Is a directory"
-
-
-def test_a_training_never_forks() -> None:
-    # A forked child would keep the lock of a dead trainer (R9).
-    source = Path(training.__file__).read_text() + Path(launcher.__file__).read_text()
-    assert "os.fork" not in source
-    assert "multiprocessing" not in source
 
 
 def _exit_code() -> int:

@@ -6,25 +6,21 @@ import dataclasses
 import json
 import os
 import signal
-import threading
 import time
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from datetime import datetime, timedelta
-from pathlib import Path
 
 import pytest
 
 from agents.config import TrainingConfig
-from agents.disk import Disk
-from tests.reliability.failing_disk import installed
 from tests.reliability.in_process import train
 from workbench import cli, launcher, pulse, run_folder
 from workbench.engine import LocalEngine
 from workbench.follow import follow
 from workbench.launcher import launch, resume, stop_now
-from workbench.run_files import LineReader, RunFileError, cut_back
+from workbench.run_files import RunFileError
 from workbench.run_state import RunState
 from workbench.runs import Run, RunBusyError, RunStore
 
@@ -226,61 +222,6 @@ def test_a_damaged_newest_checkpoint_costs_an_epoch_and_is_told(store: RunStore,
     assert text.startswith(
         "resumed at checkpoint 3, 33% done; checkpoint 4 cannot be used: state-000004.safetensors is 0"
     )
-
-
-def test_metrics_shorter_than_at_the_checkpoint_are_an_error(tmp_path: Path) -> None:
-    path = tmp_path / "metrics.jsonl"
-    path.write_text("{}\n")
-    with pytest.raises(RunFileError, match=r"metrics.jsonl is 3 bytes long and was 4 at the last checkpoint"):
-        cut_back(path, 4)
-
-
-def test_a_reader_begins_again_when_rows_are_made_again(tmp_path: Path) -> None:
-    path = tmp_path / "metrics.jsonl"
-    path.write_text('{"epoch":1}\n{"epoch":2}\n{"epoch":3}\n')
-    reader = LineReader(path)
-    assert len(reader.read_new()) == 3 and not reader.anew
-    cut_back(path, 24)
-    with path.open("a") as file:
-        file.write('{"epoch":33}\n{"epoch":44}\n')
-    assert [row["epoch"] for row in reader.read_new()] == [1, 2, 33, 44] and reader.anew
-    assert reader.read_new() == [] and not reader.anew
-
-
-class Slow(Disk):
-    """Writes in two halves, with time for a reader in between."""
-
-    def write(self, descriptor: int, data: bytes | memoryview) -> None:
-        half = len(data) // 2
-        super().write(descriptor, memoryview(data)[:half])
-        time.sleep(0.001)
-        super().write(descriptor, memoryview(data)[half:])
-
-    def sync(self, descriptor: int) -> None:
-        pass
-
-
-def test_readers_beside_a_writer_see_whole_epochs_only(store: RunStore, config: Config) -> None:
-    # R16: every row is whole, none is missed, none comes twice, and no checkpoint is ahead of the rows.
-    run, over = store.create(config("epochs=60 epoch_s=0")), threading.Event()
-
-    def read() -> list[int]:
-        reader, seen = LineReader(run.path / "metrics.jsonl"), list[int]()
-        while True:
-            last = over.is_set()
-            saved = max((int(path.stem[-6:]) for path in run.path.glob("checkpoints/manifest-*.json")), default=0)
-            seen += [row["epoch"] for row in reader.read_new()]
-            assert len(seen) >= saved
-            if last:
-                return seen
-
-    with installed(Slow()), ThreadPoolExecutor(4) as pool:
-        readers = [pool.submit(read) for _ in range(4)]
-        try:
-            train(run, store)
-        finally:
-            over.set()
-        assert [reader.result() for reader in readers] == [list(range(1, 61))] * 4
 
 
 def test_saving_takes_a_small_share_of_the_time() -> None:
