@@ -27,7 +27,8 @@ def knowledge_transfer(stage: Stage, recorder: Recorder, snapshot: Snapshot | No
     state = resume_stage(stage, snapshot) if snapshot else start_stage(stage)
     collector = Collector(stage)
     if not snapshot:
-        recorder.event("stage_started", f"{stage.task.name} guided by {stage.guide.name}", task=stage.task.name)
+        how = f"guided by {stage.guide.name}" if stage.variant.guided else "learned from scratch"
+        recorder.event("stage_started", f"{stage.task.name} {how}", task=stage.task.name)
     # A snapshot is taken before it is asked whether the stage is over.
     reason = end_reason(stage, state, recorder) if snapshot else ""
     while not reason:

@@ -18,6 +18,10 @@ POLICY_B = "#e08a00"
 BRANCH = "#ac39ac"
 """A branch of either flight. Searched: whatever the colour vision, it is not taken for a policy or the interceptor."""
 INTERCEPTOR = "#e5414d"
+FILLED = "#1a69d8"
+"""Blue behind white words, and of words on a light page; policy A's own blue has too little contrast for either."""
+FILLED_CSS = f":host {{ --filled: {FILLED} }}\n"
+"""To stand before the style sheet of a component that fills a button: there it is `var(--filled)`."""
 # The second four were searched: whatever the colour vision, none looks more like another ink of a missile than the
 # first four look like each other. As curves they are dashed besides, so that colour never tells alone.
 MISSILES = ("#9a63f5", "#1fa05f", "#e0489c", "#0f9fb5", "#986600", "#4a2cec", "#923a44", "#7e3da4")

@@ -91,7 +91,8 @@ class Agent:
         task, guide = self.stage.task, self.stage.guide
         if self.number == 0:
             self.member.recorder.event("numerics", numerics)
-        self.member.recorder.event("stage_started", f"{task.name} guided by {guide.name}", task=task.name)
+        how = f"guided by {guide.name}" if self.stage.variant.guided else "learned from scratch"
+        self.member.recorder.event("stage_started", f"{task.name} {how}", task=task.name)
 
     def close_epoch(self, take: Callable[[], Snapshot]) -> Policy | None:
         """Evaluate, report, move α and ε (Algorithm 4, lines 23-25); the stage's policy where the stage is over.

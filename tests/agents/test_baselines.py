@@ -109,6 +109,14 @@ def test_rows_have_the_columns_of_our_own_learner(variant: str) -> None:
     assert first["eta_s"] == pytest.approx(first["wall_s"]) and last["eta_s"] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("variant", "words"), [("td3", "learned from scratch"), ("wo-pr", "guided by expert-navigation")]
+)
+def test_only_a_stage_with_a_guide_says_that_it_has_one(variant: str, words: str) -> None:
+    begun = [text for kind, text, _ in small(variant, epochs=1).events if kind == "stage_started"]
+    assert begun == [f"source-1 {words}"]
+
+
 @pytest.mark.parametrize("variant", BASELINES)
 def test_the_kept_policy_is_the_best_of_all_evaluations(variant: str) -> None:
     recording = small(variant, epochs=4)

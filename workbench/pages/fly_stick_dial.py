@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import param
 from panel.custom import JSComponent
 
-from layouts.theme import BRANCH, missile_colour
+from layouts.theme import BRANCH, FILLED_CSS, missile_colour
 from workbench.branch import FULL_CIRCLE_DEG
 from workbench.branch_stick import Sight
 
@@ -32,7 +32,7 @@ class HeadingDial(JSComponent):
     colour = param.String(default=BRANCH)
 
     _esm = Path(__file__).with_suffix(".js")
-    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
+    _stylesheets: ClassVar[list[str]] = [FILLED_CSS + Path(__file__).with_suffix(".css").read_text("utf-8")]
 
     def ask(self, heading_deg: int) -> None:
         """Ask for this heading as if the person had."""

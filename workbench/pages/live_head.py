@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import param
 from panel.custom import JSComponent
 
+from layouts.theme import FILLED_CSS
 from workbench.pages.live_cards import STATE_COLOURS
 from workbench.pages.live_words import Wish, advice, command, now_words, spoken, tab_title
 from workbench.policies import title
@@ -28,7 +29,7 @@ class LiveHead(JSComponent):
     asked = param.List(default=["", 0], doc="what a button asked for, and a count; set by the browser")
 
     _esm = Path(__file__).with_suffix(".js")
-    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
+    _stylesheets: ClassVar[list[str]] = [FILLED_CSS + Path(__file__).with_suffix(".css").read_text("utf-8")]
 
 
 def head_facts(

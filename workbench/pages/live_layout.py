@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import panel as pn
 import panel_material_ui as pmui
 
+from layouts.theme import FILLED_CSS
 from workbench.pages.address import search
 
 if TYPE_CHECKING:
@@ -31,13 +32,13 @@ MAIN_CSS = f"""
 """
 BESIDE_CSS = f"@media (max-width: {NARROW_PX}px) {{ :host {{ flex: 1 1 0 !important; width: 0 !important }} }}"
 """List and events share a row where the page is narrow."""
-EMPTY_CSS = """
+EMPTY_CSS = FILLED_CSS + """
 :host { font: 15px/1.5 var(--bokeh-base-font, sans-serif); color: var(--panel-on-background-color) }
 h1 { font-size: 21px; margin: 6px 0 4px }
 p { margin: 0 0 16px; opacity: .86; max-width: 640px }
 a { display: inline-block; font-weight: 650; text-decoration: none; border-radius: 7px; padding: 8px 15px;
   margin: 0 8px 8px 0; color: inherit; border: 1px solid color-mix(in srgb, currentColor 38%, transparent) }
-a.main { background: #1d6fe0; border-color: #1d6fe0; color: #fff }
+a.main { background: var(--filled); border-color: var(--filled); color: #fff }
 a:focus-visible { outline: 3px solid #2f86ff; outline-offset: 2px }
 """
 

@@ -10,6 +10,7 @@ from panel.custom import JSComponent
 
 from layouts.learning_curves import HOVER_TAG
 from layouts.learning_panels import PANELS, LearningCurve
+from layouts.theme import FILLED_CSS
 from workbench.pages.live_settings import X_AXES
 
 
@@ -25,7 +26,7 @@ class LiveView(JSComponent):
     visited = param.List(default=["", 0], doc="the address gone back or forward to, and a count; set by the browser")
 
     _esm = Path(__file__).with_suffix(".js")
-    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
+    _stylesheets: ClassVar[list[str]] = [FILLED_CSS + Path(__file__).with_suffix(".css").read_text("utf-8")]
 
 
 class LiveKey(JSComponent):
