@@ -18,6 +18,7 @@ from sim.errors import SubMasError
 from workbench.connection_bar import connection_bar
 from workbench.context import AppContext
 from workbench.history_steps import history_steps
+from workbench.navigation import Navigation
 from workbench.tour import tour
 
 PAGES = {
@@ -30,8 +31,6 @@ PAGES = {
 }
 """Address and title of each page, in the order of the navigation; the first one is where `/` leads."""
 TITLE = "SubMas workbench"
-FILLED = "#1a69d8"
-"""Blue behind white words, and of words on a light page; policy A's own blue has too little contrast for either."""
 SPACERS = {
     "defaultProps": {"variantMapping": {"h1": "h1", "h2": "h2", "h3": "h1", "h4": "h4", "h5": "div", "h6": "h6"}}
 }
@@ -42,7 +41,7 @@ log = logging.getLogger(__name__)
 
 def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
     """One application per page, by its address, for Panel's server."""
-    pn.extension("tabulator", notifications=True, reconnect=True, sizing_mode="stretch_width")
+    pn.extension(notifications=True, reconnect=True, sizing_mode="stretch_width")
     pn.config.exception_handler = _show_problem
     # Panel calls plain functions once per session; a functools.partial it would print.
     return {name: lambda name=name: framed(context, name) for name in PAGES}
@@ -56,13 +55,13 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         pn.state.curdoc.template_variables.setdefault("dist_url", LOCAL_DIST)
     light = pn.state.session_args.get("theme", [b""])[0] == b"default"
     setattr(pn.config, "theme", "default" if light else "dark")  # noqa: B010 - Panel hides the setter from type checkers
-    links = {other: _link(other, current=other == name) for other in PAGES}
+    links = Navigation(PAGES, name, dark=not light)
     bar = connection_bar()
     page = pmui.Page(
         title=TITLE,
         meta_title=f"{PAGES[name]} · {TITLE}",
         site_url=f"/{next(iter(PAGES))}",
-        header=[pmui.Row(*links.values(), margin=0, sx={"gap": "4px"}), tour(name, PAGES), *history_steps(name), bar],
+        header=[links.pane, tour(name, PAGES), *history_steps(name), bar],
         dark_theme=not light,
         theme_config={"dark": _look("dark"), "light": _look("light")},
         busy_indicator=None,
@@ -82,11 +81,11 @@ def framed(context: AppContext, name: str) -> pmui.Page:
 def _look(mode: theme.Mode) -> dict[str, Any]:
     """Colours of the frame and its widgets, with enough contrast for words, and what they are to a listener."""
     background = _css(theme.ground(mode).background)
-    filled = {"backgroundColor": FILLED, "color": "#ffffff"}
+    filled = {"backgroundColor": theme.FILLED, "color": "#ffffff"}
     button = {"props": {"variant": "contained", "color": "primary"}, "style": filled}
     return {
         "palette": {
-            "primary": {"main": theme.POLICY_A if mode == "dark" else FILLED, "contrastText": "#ffffff"},
+            "primary": {"main": theme.POLICY_A if mode == "dark" else theme.FILLED, "contrastText": "#ffffff"},
             "background": {"default": background, "paper": background},
         },
         "components": {
@@ -103,17 +102,9 @@ def _css(colour: theme.Rgb) -> str:
     return "#{:02x}{:02x}{:02x}".format(*colour)
 
 
-def _link(name: str, current: bool) -> pmui.Button:
-    variant, colour = ("contained", "primary") if current else ("text", "light")
-    return pmui.Button(
-        label=PAGES[name], href=f"/{name}", variant=variant, color=colour, disable_elevation=True, sizing_mode=None
-    )
-
-
-def _keep_theme(links: dict[str, pmui.Button], dark: bool) -> None:
+def _keep_theme(links: Navigation, dark: bool) -> None:
     """The other pages and a reload come up in the colours of this one."""
-    for name, link in links.items():
-        link.href = f"/{name}" if dark else f"/{name}?theme=default"
+    links.keep_theme(dark)
     if pn.state.location is not None:
         pn.state.location.update_query(theme="dark" if dark else "default")  # pyright: ignore[reportArgumentType]
 
