@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from agents.policy import Act, Policy, bind
 from agents.task import (
@@ -129,7 +130,9 @@ def evaluate(
     act = bind(policy, task)
     world = domain.world(task, min(episodes, lanes or MAX_LANES), seed)
     started = time.perf_counter()
-    results = fly_episodes(act, world, first_episode, episodes, progress)
+    # Products of these sizes are too small to share: on a machine that does anything else, threads wait for each other.
+    with threadpool_limits(limits=1, user_api="blas"):
+        results = fly_episodes(act, world, first_episode, episodes, progress)
     elapsed_s = time.perf_counter() - started
     return _summary(policy, task, domain, seed, results, elapsed_s)
 

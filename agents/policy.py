@@ -22,14 +22,18 @@ Act = Callable[[FloatArray], FloatArray]
 """Observations `[B, d]` of one known task -> actions `[B, 1]` [rad]."""
 Bend = Callable[[FloatArray], FloatArray]
 
-ACTIVATIONS: Final[Mapping[str, Bend]] = MappingProxyType({"relu": lambda x: np.maximum(x, 0.0), "tanh": np.tanh})
-"""What a network does to its hidden layers, by name."""
+ACTIVATIONS: Final[Mapping[str, Bend]] = MappingProxyType(
+    {"relu": lambda x: np.maximum(x, 0.0, out=x), "tanh": lambda x: np.tanh(x, out=x)}
+)
+"""What a network does to its hidden layers, in place, by name."""
 SQUASHES: Final[Mapping[str, Bend]] = MappingProxyType({"tanh": np.tanh, "clip": lambda x: np.clip(x, -1.0, 1.0)})
 """How a network's output becomes a share of the action limit, by name."""
 
 ROWS: Final = 16
 """Observations are filled up to a multiple of this: a matrix product of few or odd rows is summed in another order, and
 one rounding more is enough that a missile passes 50 m further away. So a flight is the same in a batch of any size."""
+BLOCK: Final = 256
+"""Of so many rows, a multiple of ROWS, a hidden layer stays in the cache: a thousand take a third of the time."""
 
 
 class PolicyError(UsageError):
@@ -123,11 +127,19 @@ class NetworkPolicy:
 
     def act_on_features(self, hidden: FloatArray) -> FloatArray:
         """Actions `[B, 1]` [rad] for encoded observations `[B, f]`."""
-        activate, squash = ACTIVATIONS[self.activation], SQUASHES[self.squash]
         count, width = hidden.shape
         if count % ROWS:
             hidden = np.concatenate([hidden, np.zeros((-count % ROWS, width), hidden.dtype)])
+        actions = np.empty((len(hidden), 1), hidden.dtype)
+        for begin in range(0, len(hidden), BLOCK):
+            actions[begin : begin + BLOCK] = self._forward(hidden[begin : begin + BLOCK])
+        return actions[:count] * np.float32(self.action_limit)
+
+    def _forward(self, hidden: FloatArray) -> FloatArray:
+        activate, squash = ACTIVATIONS[self.activation], SQUASHES[self.squash]
         for weight, bias in self._weights[:-1]:
-            hidden = activate(hidden @ weight + bias)
+            hidden = hidden @ weight
+            hidden += bias
+            activate(hidden)
         weight, bias = self._weights[-1]
-        return squash(hidden @ weight + bias)[:count] * np.float32(self.action_limit)
+        return squash(hidden @ weight + bias)
