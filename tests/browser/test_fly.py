@@ -17,11 +17,22 @@ def _open(visitor: Page, served: Served, query: str = "") -> None:
     expect(visitor.locator(".card.exit, .card.failed")).to_have_count(2, timeout=SLOW_MS)
 
 
-def test_both_flights_are_told_of_and_drawn(visitor: Page, served: Served) -> None:
+def test_both_flights_are_told_of_and_drawn_as_wished(visitor: Page, served: Served) -> None:
     _open(visitor, served, "?seed=7")
     expect(visitor.locator(".events button").first).to_be_visible()
     expect(visitor.locator(".cover.gone")).to_have_count(1, timeout=SLOW_MS)
     assert "seed=7" in visitor.url
+    for name in ("Labels", "Trails", "Sight", "±90°", "Energy"):
+        visitor.get_by_role("button", name=name, exact=True).click()
+    expect(visitor).to_have_url(re.compile("hide=labels%2Ctrails%2Csight%2Cbeams.*show=energy"), timeout=SLOW_MS)
+    box = visitor.locator("iframe[title^='3-D replay']").bounding_box()
+    assert box is not None
+    visitor.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    visitor.mouse.down()
+    visitor.mouse.move(box["x"] + box["width"] / 2 + 90, box["y"] + box["height"] / 2 + 20, steps=4)
+    visitor.mouse.up()
+    expect(visitor.get_by_role("button", name="Free", exact=True)).to_have_attribute("aria-pressed", "true")
+    expect(visitor).to_have_url(re.compile("camera=free.*eye=-?[0-9]"), timeout=SLOW_MS)
 
 
 def test_an_event_moves_the_clock_and_the_address(visitor: Page, served: Served) -> None:
@@ -46,10 +57,16 @@ def test_a_wrong_address_is_one_sentence_and_flies_anyway(visitor: Page, served:
     expect(visitor.get_by_text("Seed 'x' is not a whole number")).to_be_visible()
 
 
-def test_playing_moves_the_clock(visitor: Page, served: Served) -> None:
+def test_playing_moves_the_clock_and_a_pause_holds_it(visitor: Page, served: Served) -> None:
     _open(visitor, served)
+    now, speed = visitor.locator(".clock .now"), visitor.get_by_role("group", name="Playback speed")
     visitor.get_by_role("button", name="Play or pause").click()
-    expect(visitor.locator(".clock .now")).not_to_have_text("0:00", timeout=SLOW_MS)
+    expect(now).not_to_have_text("0:00", timeout=SLOW_MS)
+    speed.get_by_role("button", name="10×").click()
+    visitor.keyboard.press("Space")
+    stopped = now.inner_text()
+    expect(visitor).to_have_url(re.compile("speed=10"), timeout=SLOW_MS)
+    expect(now).to_have_text(stopped)
 
 
 def test_keys_and_buttons_step_and_leap_and_the_sheet_tells_of_them(visitor: Page, served: Served) -> None:
@@ -114,8 +131,11 @@ def test_a_curve_sets_the_clock_and_both_flights_share_a_figure_if_wished(visito
     expect(visitor.get_by_role("button", name="Chase A")).to_have_attribute("aria-pressed", "true")
 
 
-def test_figures_can_be_taken_home(visitor: Page, served: Served) -> None:
+def test_every_kind_of_curve_is_drawn_and_can_be_taken_home(visitor: Page, served: Served) -> None:
     _open(visitor, served)
+    for tab, figures in (("Control", 6), ("Speed", 4), ("Reward", 2), ("Range", 4), ("Azimuth", 2)):
+        visitor.get_by_role("tab", name=tab).click()
+        expect(visitor.locator(".bk-Figure:visible")).to_have_count(figures, timeout=SLOW_MS)
     visitor.locator(".bk-Figure").first.hover()
     with visitor.expect_download(timeout=SLOW_MS) as download:
         visitor.locator("[title='Download CSV']").first.click()
