@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -110,11 +109,13 @@ def test_a_page_whose_connection_was_cut_is_current_again_and_pressed_nothing_tw
 
 def test_a_stopped_server_and_one_that_was_started_again_are_sentences(visitor: Page, tmp_path: Path) -> None:
     first = start_server(tmp_path)
-    visitor.goto(first.link.replace("/?", "/runs?"))
-    expect(visitor.get_by_text(EMPTY).first).to_be_visible()
-    expect(visitor.locator(BAR)).to_be_hidden()
-    first.process.send_signal(signal.SIGKILL)
-    first.process.wait()
+    try:
+        visitor.goto(first.link.replace("/?", "/runs?"))
+        expect(visitor.get_by_text(EMPTY).first).to_be_visible()
+        expect(visitor.locator(BAR)).to_be_hidden()
+    finally:
+        first.process.kill()
+        first.process.wait()
     expect(visitor.locator(BAR)).to_contain_text("Start it again (workbench serve) and open the address it prints.")
     again = [sys.executable, "-m", "workbench", "serve", "--port", str(first.port), "--no-browser", "--runs"]
     with (tmp_path / "again.log").open("w") as log:

@@ -43,7 +43,7 @@ CONTENTS: Final = (
     # S10: nothing that is read is run.
     mutant("S10", "numbers of an address are evaluated", CONFIG, "    return tuple(map(int, parts))\n",
            "    return tuple(map(eval, parts))\n", NO_UNSAFE_SOURCE),
-    mutant("S10", "a cache is unpickled", "workbench/comparison_cache.py",
+    mutant("S10", "a cache is unpickled", "workbench/comparison/cache.py",
            "            values = json.loads(path.read_bytes())\n",
            "            import pickle\n\n            values = pickle.loads(path.read_bytes())\n", NO_UNSAFE_SOURCE),
     mutant("S10", "a training is started by a shell", "workbench/launcher.py",
@@ -63,7 +63,8 @@ CONTENTS: Final = (
     mutant("S11", "a key may occur twice", POLICIES, "    if len(values) < len(pairs):\n", "    if False:\n",
            POLICY_SENTENCE + "[a card with a key twice]"),
     mutant("S11", "numbers of a scenario may be NaN", "sim/scenario_file.py", "    if not low <= value <= high:  # NaN",
-           "    if value < low or value > high:  # NaN", SCENARIO_SENTENCE + "[NaN]"),
+           "    if value < low or value > high:  # NaN",
+           SECURITY + "test_scenario_files.py::test_no_number_of_a_scenario_may_be_anything_but_a_number"),
     mutant("S11", "keys of a scenario that nobody knows are passed over", "sim/scenario_file.py", "    if unknown:\n",
            "    if False:\n", SCENARIO_SENTENCE + "[an unknown key]"),
     # S12: a launch takes settings and no command.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import time
+import tomllib
 import tracemalloc
 from pathlib import Path
 
@@ -81,6 +82,19 @@ def test_a_hostile_file_is_one_sentence(name: str, tmp_path: Path, capsys: pytes
     assert cli.main(["fly", "random", "--scenario", str(path)]) == 2
     told = capsys.readouterr()
     assert told.out == "" and told.err.count("\n") == 1 and str(path) in told.err
+
+
+@pytest.mark.parametrize("word", ["nan", "inf", "-inf", "true", '"1"'])
+def test_no_number_of_a_scenario_may_be_anything_but_a_number(word: str) -> None:
+    # One by one: what compares several numbers would refuse some of them by chance.
+    sections = tomllib.loads(GOOD)
+    value = tomllib.loads(f"value = {word}")["value"]
+    numbers = [(name, key) for name, table in sections.items() if isinstance(table, dict) for key in table]
+    assert len(numbers) > 50
+    for name, key in numbers:
+        wrong = {**sections, name: {**sections[name], key: value}}
+        with pytest.raises(ScenarioError, match=rf"^somewhere: {name}\.{key} is .*; legal is a "):
+            parse_scenario(wrong, "somewhere")
 
 
 @pytest.mark.parametrize(
