@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from workbench.comparison_queue import ComparisonQueue
+from workbench.comparison.queue import ComparisonQueue
 from workbench.recordings import Recordings
 from workbench.run_index import RunIndex
 from workbench.runs import RunStore

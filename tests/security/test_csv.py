@@ -14,7 +14,7 @@ from bokeh.plotting import figure
 from agents.evaluation import EpisodeResults, Evaluation
 from layouts.figure_downloads import add_downloads
 from tests.security.hostile import EVERY
-from workbench.comparison_tables import engagements_table, pairs_table
+from workbench.comparison.tables import engagements_table, pairs_table
 from workbench.csv_cells import FORMULA_STARTS, plain_cell
 from workbench.reproduce.number_csv import COLUMNS, csv_text
 from workbench.reproduce.result_set import Number, ResultSet

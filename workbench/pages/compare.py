@@ -13,10 +13,10 @@ import panel_material_ui as pmui
 
 from layouts.comparison_inks import policy_inks
 from sim.errors import SubMasError
-from workbench.comparison import Work
-from workbench.comparison_closely import Closely, look_closely
-from workbench.comparison_grid import Grid, build_grid
-from workbench.comparison_policies import comparison_choices
+from workbench.comparison.closely import Closely, look_closely
+from workbench.comparison.grid import Grid, build_grid
+from workbench.comparison.policies import comparison_choices
+from workbench.comparison.work import Work
 from workbench.context import AppContext
 from workbench.pages.address import read_query, write_query
 from workbench.pages.compare_bars import CompareBars

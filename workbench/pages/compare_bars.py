@@ -10,8 +10,8 @@ import panel as pn
 from bokeh.events import Tap
 
 from layouts.comparison_bars import Bar, BarChart, cause_chart, places, return_chart, success_chart
-from workbench.comparison_figures import CellFigures
-from workbench.comparison_grid import Cell, Grid
+from workbench.comparison.figures import CellFigures
+from workbench.comparison.grid import Cell, Grid
 from workbench.pages.compare_words import COMPARE_CSS, legend
 
 HEIGHT = 270

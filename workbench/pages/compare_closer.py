@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import panel as pn
 
 from layouts.comparison_survival import survival_chart
-from workbench.comparison_closely import Closely, repeatable
-from workbench.comparison_grid import Cell, Grid
+from workbench.comparison.closely import Closely, repeatable
+from workbench.comparison.grid import Cell, Grid
 from workbench.pages.address import search
 from workbench.pages.compare_settings import CompareSettings
 from workbench.pages.compare_words import COMPARE_CSS, gallery, pairs_table

@@ -10,7 +10,7 @@ import panel_material_ui as pmui
 
 from sim.scenario_file import load_scenario
 from sim.task import Task
-from workbench.comparison_grid import tasks_of
+from workbench.comparison.grid import tasks_of
 from workbench.pages.compare_settings import (
     FEWEST,
     MOST,

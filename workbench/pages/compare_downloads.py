@@ -8,9 +8,9 @@ from typing import Literal
 
 import panel_material_ui as pmui
 
-from workbench.comparison_closely import Closely
-from workbench.comparison_grid import Grid
-from workbench.comparison_tables import engagements_table, figures_table, pairs_table
+from workbench.comparison.closely import Closely
+from workbench.comparison.grid import Grid
+from workbench.comparison.tables import engagements_table, figures_table, pairs_table
 from workbench.pages.compare_bars import bars_of
 from workbench.pages.compare_settings import CompareSettings
 

@@ -9,8 +9,8 @@ from collections.abc import Callable, Collection, Iterable
 import panel as pn
 import panel_material_ui as pmui
 
-from workbench.comparison import Work
-from workbench.comparison_queue import ComparisonQueue
+from workbench.comparison.queue import ComparisonQueue
+from workbench.comparison.work import Work
 from workbench.pages.compare_words import COMPARE_CSS
 from workbench.terminal import duration
 

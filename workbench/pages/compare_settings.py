@@ -9,8 +9,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sim.scenario_file import load_scenario
-from workbench.comparison_grid import tasks_of
-from workbench.comparison_policies import CHAIN
+from workbench.comparison.grid import tasks_of
+from workbench.comparison.policies import CHAIN
 from workbench.pages.fly_settings import LONGEST, SEED_MAX, read_scenario
 from workbench.reproduce.protocol import REPORT_SEED
 from workbench.scenarios import DEFAULT

@@ -10,8 +10,8 @@ from layouts.comparison_inks import cause_ink, cause_words
 from layouts.comparison_thumbnail import Tracks, thumbnail
 from layouts.theme import FAILURE, NEUTRAL, SUCCESS
 from sim.scenario import Battlefield
-from workbench.comparison_gallery import Strip
-from workbench.comparison_pairs import PairedFigures
+from workbench.comparison.gallery import Strip
+from workbench.comparison.pairs import PairedFigures
 from workbench.terminal import duration
 
 COMPARE_CSS = Path(__file__).with_name("compare.css").read_text("utf-8")
@@ -94,7 +94,7 @@ def gallery(
 
     Args:
         strips: what to show.
-        tracks: of every engagement that is shown, by episode, as `workbench.comparison_flights.tracks` makes them.
+        tracks: of every engagement that is shown, by episode, as `workbench.comparison.flights.tracks` makes them.
         field: the battlefield.
         ink: of the evader.
         addresses: of the Fly page, by episode.

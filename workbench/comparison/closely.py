@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from layouts.comparison_survival import Shots
-from workbench.comparison import Work
-from workbench.comparison_cache import ComparisonCache
-from workbench.comparison_gallery import Strip, strips
-from workbench.comparison_grid import Cell, Grid
-from workbench.comparison_pairs import PairedFigures, paired
+from workbench.comparison.cache import ComparisonCache
+from workbench.comparison.gallery import Strip, strips
+from workbench.comparison.grid import Cell, Grid
+from workbench.comparison.pairs import PairedFigures, paired
+from workbench.comparison.work import Work
 
 
 @dataclass(frozen=True)

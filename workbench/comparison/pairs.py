@@ -10,7 +10,7 @@ import numpy as np
 from agents.evaluation import EpisodeResults, Evaluation
 from agents.statistics import Interval, bootstrap
 from agents.task import BoolArray, IntArray
-from workbench.comparison import ComparisonError
+from workbench.comparison.work import ComparisonError
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import numpy as np
 
 from agents.evaluation import Evaluation
 from sim.world import Outcome
-from workbench.comparison_figures import FAILURES
-from workbench.comparison_grid import Grid
-from workbench.comparison_pairs import PairedFigures
+from workbench.comparison.figures import FAILURES
+from workbench.comparison.grid import Grid
+from workbench.comparison.pairs import PairedFigures
 from workbench.csv_cells import plain_cell
 
 

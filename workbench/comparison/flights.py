@@ -16,8 +16,8 @@ from agents.task import FloatArray
 from sim.scenario import Scenario
 from sim.task import Task
 from sim.world import Fate, Outcome, World
-from workbench.comparison import ComparisonError, Work
-from workbench.comparison_cache import evaluation_to_json
+from workbench.comparison.cache import evaluation_to_json
+from workbench.comparison.work import ComparisonError, Work
 from workbench.policies import resolve_policy
 from workbench.runs import RunStore
 
@@ -43,7 +43,7 @@ def do(work: Work, runs: Path, tell: Tell) -> dict[str, Any]:
         ComparisonError: the policy or the scenario is not any more what was asked for.
         SubMasError: the policy or the scenario cannot be read, or the policy cannot see a missile.
     """
-    from workbench.comparison_policies import policy_digest
+    from workbench.comparison.policies import policy_digest
 
     store, task = RunStore(runs), work.task
     if task.scenario.digest != work.scenario_digest or policy_digest(work.policy, store) != work.policy_digest:

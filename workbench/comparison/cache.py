@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from agents.evaluation import EpisodeResults, Evaluation
-from workbench.comparison import Work
+from workbench.comparison.work import Work
 from workbench.run_files import strict, write_bytes
 from workbench.viewer_files import cache_folder
 

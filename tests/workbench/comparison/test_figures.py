@@ -10,11 +10,11 @@ import pytest
 
 from agents.evaluation import EpisodeResults, Evaluation, wilson_interval
 from sim.task import Task, task_for
-from workbench.comparison import ComparisonError, Work
-from workbench.comparison_figures import flown_figures, shipped_figures, shipped_set
-from workbench.comparison_gallery import SHOWN, strips
-from workbench.comparison_pairs import episodes_won_alone, mcnemar, paired
-from workbench.comparison_policies import entry
+from workbench.comparison.figures import flown_figures, shipped_figures, shipped_set
+from workbench.comparison.gallery import SHOWN, strips
+from workbench.comparison.pairs import episodes_won_alone, mcnemar, paired
+from workbench.comparison.policies import entry
+from workbench.comparison.work import ComparisonError, Work
 from workbench.runs import RunStore
 
 SEED = 2**46

@@ -9,7 +9,7 @@ from agents.policy import Policy, PolicyError, bind
 from sim.assets import asset_path
 from sim.errors import SubMasError
 from sim.task import Task
-from workbench.comparison import Kind, Work, mask_text
+from workbench.comparison.work import Kind, Work, mask_text
 from workbench.policies import EXPERTS, SUFFIX, policy_choices, resolve_policy, shipped_cards, shipped_policies
 from workbench.reproduce.provenance import file_digest
 from workbench.runs import RunStore

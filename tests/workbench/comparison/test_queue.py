@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from sim.task import Task, task_for
-from workbench import comparison
-from workbench.comparison import Work
-from workbench.comparison_cache import ComparisonCache
-from workbench.comparison_policies import entry
-from workbench.comparison_queue import ComparisonQueue
+from workbench.comparison import work as work_module
+from workbench.comparison.cache import ComparisonCache
+from workbench.comparison.policies import entry
+from workbench.comparison.queue import ComparisonQueue
+from workbench.comparison.work import Work
 from workbench.runs import RunStore
 
 SEED = 2**46
@@ -137,7 +137,7 @@ def test_a_mistake_is_one_sentence(store: RunStore, cache: ComparisonCache) -> N
 def test_a_result_of_other_code_is_not_waited_for_again_and_again(
     store: RunStore, cache: ComparisonCache, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(comparison, "source", lambda: "what this process was started with")
+    monkeypatch.setattr(work_module, "source", lambda: "what this process was started with")
     work = _work(store)
     queue = ComparisonQueue(store.root, cache, workers=1)
     told: list[str] = []

@@ -9,7 +9,7 @@ import numpy as np
 from agents.evaluation import EpisodeResults, Evaluation
 from agents.task import BoolArray, FloatArray
 from sim.world import Outcome
-from workbench.comparison_pairs import episodes_won_alone
+from workbench.comparison.pairs import episodes_won_alone
 
 SHOWN = 6
 """Pictures of each kind."""

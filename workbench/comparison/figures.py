@@ -14,7 +14,7 @@ from sim.assets import asset_path
 from sim.errors import SubMasError
 from sim.task import Task
 from sim.world import Outcome
-from workbench.comparison import Work
+from workbench.comparison.work import Work
 from workbench.reproduce.result_file import load
 from workbench.reproduce.result_set import Number, ResultSet
 

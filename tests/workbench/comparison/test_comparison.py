@@ -15,14 +15,14 @@ from agents.evaluation import EpisodeResults, evaluate
 from agents.policy import bind
 from sim.task import Task, task_for
 from sim.trajectory import fly
-from workbench import comparison
-from workbench.comparison import ComparisonError, Work
-from workbench.comparison_cache import ComparisonCache, evaluation_to_json
-from workbench.comparison_closely import look_closely
-from workbench.comparison_flights import do, survival_axes
-from workbench.comparison_grid import build_grid, tasks_of
-from workbench.comparison_policies import CHAIN, chain_policy, entry
-from workbench.comparison_tables import engagements_table, figures_table, pairs_table
+from workbench.comparison import work as work_module
+from workbench.comparison.cache import ComparisonCache, evaluation_to_json
+from workbench.comparison.closely import look_closely
+from workbench.comparison.flights import do, survival_axes
+from workbench.comparison.grid import build_grid, tasks_of
+from workbench.comparison.policies import CHAIN, chain_policy, entry
+from workbench.comparison.tables import engagements_table, figures_table, pairs_table
+from workbench.comparison.work import ComparisonError, Work
 from workbench.policies import resolve_policy
 from workbench.runs import RunStore
 
@@ -66,7 +66,7 @@ def test_a_policy_is_the_same_under_whatever_name_it_was_found(store: RunStore) 
 
 def test_another_version_of_the_simulator_flies_again(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
     before = _work(store).name
-    monkeypatch.setattr(comparison, "source", lambda: "another")
+    monkeypatch.setattr(work_module, "source", lambda: "another")
     assert _work(store).name != before
 
 

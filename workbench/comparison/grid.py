@@ -11,10 +11,10 @@ from agents.evaluation import Evaluation
 from sim.scenario import Scenario
 from sim.scenario_file import load_scenario
 from sim.task import Task
-from workbench.comparison import Work
-from workbench.comparison_cache import ComparisonCache
-from workbench.comparison_figures import CellFigures, flown_figures, shipped_figures
-from workbench.comparison_policies import Entry, entry
+from workbench.comparison.cache import ComparisonCache
+from workbench.comparison.figures import CellFigures, flown_figures, shipped_figures
+from workbench.comparison.policies import Entry, entry
+from workbench.comparison.work import Work
 from workbench.runs import RunStore
 
 

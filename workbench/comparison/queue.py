@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from workbench.comparison import Work
-from workbench.comparison_cache import ComparisonCache
+from workbench.comparison.cache import ComparisonCache
+from workbench.comparison.work import Work
 from workbench.launcher import cpu_count, environment
 
-ENTRY = ("-m", "workbench.comparison_worker")
+ENTRY = ("-m", "workbench.comparison.worker")
 """What Python runs as a worker."""
 IDLE_S = 20.0
 """A worker stays so long when nothing is left to do: what is asked for next begins at once."""
@@ -37,7 +37,7 @@ class Standing:
 
 @dataclass(frozen=True)
 class Worker:
-    """A process of `workbench.comparison_worker`.
+    """A process of `workbench.comparison.worker`.
 
     Not one of asyncio's: a server that ends while such a process comes up would wait for it for ever.
     """

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from sim.errors import SubMasError
-from workbench.comparison import Work
-from workbench.comparison_cache import ComparisonCache
+from workbench.comparison.cache import ComparisonCache
+from workbench.comparison.work import Work
 
 EVERY_S = 0.1
 """Progress is told so often [s]."""
@@ -27,7 +27,7 @@ def main(runs: Path, folder: Path) -> None:
 
 
 def _flown(work: Work, runs: Path, cache: ComparisonCache, said: TextIO) -> dict[str, Any]:
-    from workbench.comparison_flights import do
+    from workbench.comparison.flights import do
 
     told_s = 0.0
 
