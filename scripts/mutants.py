@@ -69,11 +69,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tree = copy_of(ROOT, Path(folder, "whole"))
             if not options.no_green:
                 assert_green(tree, chosen, progress.say)
-            verdicts = []
+            verdicts, first_s = [], time.monotonic()
             for number, each in enumerate(chosen):
                 progress(number, len(chosen))
                 verdicts += list(judged(each, tree, options.limit_s))
-                progress.say(_line(number, chosen, verdicts, time.monotonic() - began_s))
+                progress.say(_line(number, chosen, verdicts, time.monotonic() - first_s))
     except MutantError as error:
         print_line(f"mutants: {error}", error=True)
         return 2
