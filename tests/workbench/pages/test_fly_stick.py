@@ -168,6 +168,17 @@ def test_back_to_the_original(opened: Callable[..., FlyPage], noted: dict[str, s
     assert page._clock.duration <= before
 
 
+def test_rerun_shows_the_branch_as_long_as_there_is_one(opened: Callable[..., FlyPage]) -> None:
+    page = opened(branch="A,150,by-hand.AFo,expert-dragging", tab="rerun")
+    shown = page._tabs._recorded
+    assert list(shown)[2].startswith("A′ · from 2:30 by hand, from 2:31")
+    (pane,) = page._tabs._rerun.objects
+    with_branch = pane.recording
+    page._stick.widgets.back.clicks += 1
+    assert len(page._tabs._recorded) == 2
+    assert pane.recording != with_branch and page._export.who == ["A", "B"]
+
+
 def test_other_flights_forget_the_branch(opened: Callable[..., FlyPage], noted: dict[str, str]) -> None:
     page = opened(branch="A,150,expert-dragging")
     page._controls.mask({4})
