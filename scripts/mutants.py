@@ -54,15 +54,15 @@ class Verdict:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the mutants that are asked for; the exit code."""
-    parser = argparse.ArgumentParser(description="Break the program on purpose and see its tests fail.")
-    parser.add_argument("bars", nargs="*", metavar="BAR", help="bars such as R5 or S2; all by default")
-    parser.add_argument("--no-green", action="store_true", help="do not run the tests on the unbroken program first")
-    parser.add_argument("--limit-s", type=float, default=LIMIT_S, help=f"time limit of a mutant (default {LIMIT_S:g})")
-    parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
-    options = parser.parse_args(arguments)
-    chosen = [each for each in MUTANTS if not options.bars or each.bar in options.bars]
-    if unknown := set(options.bars) - {each.bar for each in MUTANTS}:
-        parser.error(f"no mutant of {', '.join(sorted(unknown))}")
+    options = _options(arguments)
+    chosen = [
+        each
+        for each in MUTANTS
+        if (not options.bars or each.bar in options.bars) and options.fault.lower() in each.fault.lower()
+    ]
+    if not chosen:
+        print_line("mutants: there is none of these bars and words", error=True)
+        return 2
     began_s = time.monotonic()
     try:
         with tempfile.TemporaryDirectory(prefix="mutants-") as folder, bar("mutants") as progress:
@@ -79,6 +79,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     report(verdicts, as_json=options.json, wall_s=time.monotonic() - began_s)
     return int(not all(verdict.seen for verdict in verdicts))
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="Break the program on purpose and see its tests fail.")
+    parser.add_argument("bars", nargs="*", metavar="BAR", help="bars such as R5 or S2; all by default")
+    parser.add_argument("--fault", default="", metavar="WORDS", help="only faults in whose sentence these words are")
+    parser.add_argument("--no-green", action="store_true", help="do not run the tests on the unbroken program first")
+    parser.add_argument("--limit-s", type=float, default=LIMIT_S, help=f"time limit of a mutant (default {LIMIT_S:g})")
+    parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
+    options = parser.parse_args(arguments)
+    if unknown := set(options.bars) - {each.bar for each in MUTANTS}:
+        parser.error(f"no mutant of {', '.join(sorted(unknown))}")
+    return options
 
 
 def copy_of(root: Path, tree: Path) -> Path:
