@@ -111,13 +111,13 @@ def _rrd(flights: Sequence[Trajectory], _update: Update) -> bytes:
 
 
 def _acmi(flights: Sequence[Trajectory], _update: Update) -> bytes:
-    from workbench.acmi import acmi_text
+    from workbench.acmi.document import acmi_text
 
     return acmi_text(flights[0]).encode()
 
 
 def _zipped_acmi(flights: Sequence[Trajectory], _update: Update) -> bytes:
-    from workbench.acmi import zipped_acmi
+    from workbench.acmi.document import zipped_acmi
 
     return zipped_acmi(flights[0])
 

@@ -26,7 +26,7 @@ from sim.world import Outcome
 from tests.engagements import changed
 from tests.workbench.flights import branched, ending, shorten_films, unhindered
 from workbench import cli, exports
-from workbench.acmi_check import check_acmi
+from workbench.acmi.check import check_acmi
 from workbench.exports import FORMATS, TOGETHER, ExportError, check_target, encode, export, suffix_of
 from workbench.flight_table import table
 

@@ -9,8 +9,8 @@ import pytest
 
 from sim.world import Outcome
 from tests.workbench.flights import ending
-from workbench.acmi import acmi_text
-from workbench.acmi_check import check_acmi, check_positions
+from workbench.acmi.check import check_acmi, check_positions
+from workbench.acmi.document import acmi_text
 
 SOUND = """FileType=text/acmi/tacview
 FileVersion=2.2

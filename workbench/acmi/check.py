@@ -8,8 +8,8 @@ from collections import Counter
 import numpy as np
 
 from sim.trajectory import Trajectory
-from workbench.acmi_bodies import EVADER, INTERCEPTOR, flown, missile_id
-from workbench.acmi_read import logical_lines, places, properties, transform_fields
+from workbench.acmi.bodies import EVADER, INTERCEPTOR, flown, missile_id
+from workbench.acmi.read import logical_lines, places, properties, transform_fields
 
 CLASSES = ("Air", "Ground", "Sea", "Weapon", "Sensor", "Navaid", "Misc")
 EVENTS = ("Message", "Bookmark", "Debug", "LeftArea", "Destroyed", "TakenOff", "Landed", "Timeout")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.acmi_transform import METRES_PER_DEGREE
+from workbench.acmi.transform import METRES_PER_DEGREE
 
 Place = tuple[float, float, float, float, float]
 """Longitude and latitude as metres east and north, then U and V [m], then altitude [m]."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim.geometry import azimuth
 from sim.reference_physics import GRAVITY_M_S2, air
 from sim.trajectory import BodyTrack, MissileTrack, Trajectory
-from workbench.acmi_transform import number_texts, transforms
+from workbench.acmi.transform import number_texts, transforms
 
 EVADER, INTERCEPTOR, EXIT, EXPLOSION = "a1", "b1", "e1", "f1"
 """Object ids: hexadecimal, and never used twice in a file."""

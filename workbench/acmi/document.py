@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from layouts.captions import caption, outcome_text
 from sim.trajectory import Trajectory
 from sim.world import Outcome
-from workbench.acmi_bodies import EXPLOSION, body_lines, escaped, exit_lines, flown
-from workbench.acmi_events import event_lines
+from workbench.acmi.bodies import EXPLOSION, body_lines, escaped, exit_lines, flown
+from workbench.acmi.events import event_lines
 
 NEAR_S, FAR_S = 0.1, 0.25
 """Seconds between frames while a missile flies, and while none does: straight lines between frames stay within 1 m."""

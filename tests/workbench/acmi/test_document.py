@@ -18,10 +18,10 @@ from sim.world import Fate, Outcome
 from tests.engagements import changed, straight
 from tests.engagements import task as drill
 from tests.workbench.flights import ending, unhindered
-from workbench.acmi import acmi_text, zipped_acmi
-from workbench.acmi_bodies import vertical_g
-from workbench.acmi_check import check_acmi, check_positions
-from workbench.acmi_transform import number_texts, transforms, yaw_deg
+from workbench.acmi.bodies import vertical_g
+from workbench.acmi.check import check_acmi, check_positions
+from workbench.acmi.document import acmi_text, zipped_acmi
+from workbench.acmi.transform import number_texts, transforms, yaw_deg
 
 ENDINGS = [outcome for outcome in Outcome if outcome.name in ("EXIT", "SHOT_DOWN", "LEFT_FIELD", "TIMEOUT")]
 DRILL = drill()

@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.trajectory import Event, MissileTrack, Trajectory
 from sim.world import Fate, Outcome
-from workbench.acmi_bodies import EVADER, INTERCEPTOR, escaped, explosion_line, flown, missile_id
+from workbench.acmi.bodies import EVADER, INTERCEPTOR, escaped, explosion_line, flown, missile_id
 
 
 def event_lines(flight: Trajectory) -> dict[int, list[str]]:

@@ -1,0 +1,1 @@
+"""Tacview recordings: ACMI 2.2 written, checked and read."""
