@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.bench_page import browsing, ensure_browser, serving
+from workbench.bench.page import browsing, ensure_browser, serving
 from workbench.reproduce.places import ROOT
 from workbench.runs import Run, RunStore
 

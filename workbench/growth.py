@@ -15,8 +15,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Final
 
-from workbench.bench_growth import GrowthCase, bench_growth
-from workbench.bench_runs import make_runs
+from workbench.bench.growth import GrowthCase, bench_growth
+from workbench.bench.runs import make_runs
 from workbench.launcher import cpu_count
 
 SEEDS: Final = (1, 2, 4)
@@ -128,7 +128,7 @@ def updates_in_slice(begin_at: float) -> tuple[float, float]:
     from agents.numerics import prepare_torch
     from agents.td3_fast import FastTd3
     from sim.task import task_for
-    from workbench.bench_learner import UPDATES, our_updates
+    from workbench.bench.learner import UPDATES, our_updates
 
     prepare_torch()
     updates = our_updates(FastTd3, task_for(), FAST, STORED)

@@ -7,7 +7,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
 from tests.conftest import Served
-from workbench.bench_openings import READY
+from workbench.bench.openings import READY
 
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
 EMPTY = {"runs": "[aria-label='Search runs']"}

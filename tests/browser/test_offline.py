@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, Request, WebSocket, expect
 
 from tests.conftest import Served
-from workbench.bench_openings import READY
+from workbench.bench.openings import READY
 
 ANYWHERE = ("http", "https", "ws", "wss")
 

@@ -10,7 +10,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from agents.config import TrainingConfig
 from tests.conftest import Served
-from workbench.bench_runs import make_runs
+from workbench.bench.runs import make_runs
 from workbench.run_files import append_line
 from workbench.run_notes import RunNotes, read_notes, write_notes
 from workbench.run_state import RunState

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.bench_growth import GrowthCase
+from workbench.bench.growth import GrowthCase
 from workbench.growth import GrowthFigures, HeadCase, RunCost, RunsCase, SeedsCase
 from workbench.growth_page import BLOCK, END, fleet, markdown, refresh
 

@@ -16,7 +16,7 @@ import pytest
 
 from agents.config import TrainingConfig
 from tests.workbench.test_runs import FAULTS
-from workbench.bench_runs import make_runs
+from workbench.bench.runs import make_runs
 from workbench.run_files import write_json
 from workbench.run_index import RunIndex
 from workbench.run_index_file import NAME, VERSION

@@ -68,8 +68,8 @@ def run(args: Args) -> int:
 
 
 def _sim(device: str, progress: Any) -> dict[str, Any]:
-    from workbench.bench_growth import bench_growth
-    from workbench.bench_sim import bench_sim
+    from workbench.bench.growth import bench_growth
+    from workbench.bench.sim import bench_sim
 
     cases = [dataclasses.asdict(case) for case in bench_sim(device=device, progress=progress)]
     return {"cases": cases, **dataclasses.asdict(bench_growth(device or "cpu"))}
@@ -97,11 +97,11 @@ def _show_sim(figures: dict[str, Any]) -> None:
 
 
 def _learner(device: str, progress: Any) -> dict[str, Any]:
-    from workbench.bench_learner import bench_learner
+    from workbench.bench.learner import bench_learner
 
     if not device:
         return dataclasses.asdict(bench_learner(progress=progress))
-    from workbench.bench_stacked import bench_stacked
+    from workbench.bench.stacked import bench_stacked
 
     together = bench_stacked(device, progress=progress)
     return dataclasses.asdict(bench_learner(progress=progress)) | dataclasses.asdict(together)
@@ -128,7 +128,7 @@ def _show_learner(figures: dict[str, Any]) -> None:
 
 
 def _curriculum(args: Args) -> int:
-    from workbench.bench_curriculum import bench_curriculum, write_result
+    from workbench.bench.curriculum import bench_curriculum, write_result
     from workbench.runs import RunStore
     from workbench.stack_options import StackOptions
     from workbench.terminal import print_json
@@ -163,8 +163,8 @@ def _show_curriculum(result: dict[str, Any], path: Path) -> None:
 
 
 def _page(openings: int, progress: Any) -> dict[str, Any]:
-    from workbench.bench_openings import bench_openings
-    from workbench.bench_page import bench_page
+    from workbench.bench.openings import bench_openings
+    from workbench.bench.page import bench_page
 
     if openings > 0:
         return dataclasses.asdict(bench_openings(openings, progress=progress))

@@ -14,7 +14,7 @@ import pytest
 from agents.config import TrainingConfig
 from agents.statistics import bootstrap
 from tests.workbench.pages.page_sessions import do
-from workbench.bench_runs import make_runs
+from workbench.bench.runs import make_runs
 from workbench.context import AppContext
 from workbench.pages import runs as runs_page
 from workbench.pages.runs import RunsPage

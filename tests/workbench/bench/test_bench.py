@@ -15,11 +15,15 @@ from sim.reference import ReferenceWorld
 from sim.scenario_file import load_scenario
 from sim.task import Task
 from sim.world import Fate, World
-from workbench import bench_growth, bench_learner, bench_openings, bench_page, bench_sim
-from workbench.bench_growth import Growth, GrowthCase
-from workbench.bench_openings import Openings
-from workbench.bench_page import BenchError, PageBench
-from workbench.bench_sim import SimCase
+from workbench.bench import growth as bench_growth
+from workbench.bench import learner as bench_learner
+from workbench.bench import openings as bench_openings
+from workbench.bench import page as bench_page
+from workbench.bench import sim as bench_sim
+from workbench.bench.growth import Growth, GrowthCase
+from workbench.bench.openings import Openings
+from workbench.bench.page import BenchError, PageBench
+from workbench.bench.sim import SimCase
 from workbench.cli import main
 from workbench.commands import bench
 

@@ -14,10 +14,12 @@ import torch
 from agents.config import TrainingConfig
 from agents.hyperparameters import SMOKE, ConfigError
 from tests.reliability.fake_training import metrics_row
-from workbench import bench_learner, bench_stacked, follow, stacked_launch
-from workbench.bench_curriculum import curriculum_result
-from workbench.bench_learner import LearnerBench, LearnerCase
-from workbench.bench_stacked import StackedBench, StackedCase
+from workbench import follow, stacked_launch
+from workbench.bench import learner as bench_learner
+from workbench.bench import stacked as bench_stacked
+from workbench.bench.curriculum import curriculum_result
+from workbench.bench.learner import LearnerBench, LearnerCase
+from workbench.bench.stacked import StackedBench, StackedCase
 from workbench.cli import main
 from workbench.run_files import append_line, write_json
 from workbench.run_state import RunState
