@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.comparison.queue import ComparisonQueue
 from workbench.recordings import Recordings
-from workbench.run_index import RunIndex
+from workbench.run_index.index import RunIndex
 from workbench.runs import RunStore
 from workbench.viser_proxy import ViserRegistry
 

@@ -142,7 +142,7 @@ def updates_in_slice(begin_at: float) -> tuple[float, float]:
 
 
 def _runs(count: int) -> RunsCase:
-    from workbench.run_index import RunIndex
+    from workbench.run_index.index import RunIndex
     from workbench.runs import RunStore
 
     with tempfile.TemporaryDirectory() as folder:

@@ -12,7 +12,7 @@ from agents.config import TrainingConfig
 from workbench import launcher
 from workbench.engine import LocalEngine
 from workbench.launcher import drain, stop_now
-from workbench.run_index_record import read_record
+from workbench.run_index.record import read_record
 from workbench.run_state import RunState
 from workbench.runs import Run, RunBusyError, RunStore
 

@@ -81,11 +81,11 @@ CONTENTS: Final = (
            "    kept = dict(os.environ)\n",
            "tests/reliability/test_training_process.py::test_a_training_process_gets_few_variables_and_one_thread"),
     # S13: what is typed is never worked out.
-    mutant("S13", "what is searched for is put into the statement", "workbench/run_index_query.py",
+    mutant("S13", "what is searched for is put into the statement", "workbench/run_index/query.py",
            '        parts.append("instr(haystack, ?) = 0" if absent else "instr(haystack, ?) > 0")\n'
            "        values.append(word[1:] if absent else word)\n",
            "        parts.append(f\"instr(haystack, '{word}') > 0\")\n", ADDRESSES + "test_a_search_works_nothing_out"),
-    mutant("S13", "a percent sign finds everything", "workbench/run_index_query.py",
+    mutant("S13", "a percent sign finds everything", "workbench/run_index/query.py",
            '"instr(haystack, ?) = 0" if absent else "instr(haystack, ?) > 0"',
            "\"instr(haystack, ?) = 0\" if absent else \"haystack LIKE '%' || ? || '%'\"",
            ADDRESSES + "test_a_search_works_nothing_out"),

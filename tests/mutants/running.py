@@ -21,17 +21,17 @@ CLOCK: Final = RESUME + "test_jumps_of_the_clock_neither_stall_a_run_nor_turn_it
 
 RUNNING: Final = (
     # R5: the index is rebuilt from the folders.
-    mutant("R5", "an index of another version is used", "workbench/run_index_file.py",
+    mutant("R5", "an index of another version is used", "workbench/run_index/file.py",
            "if self._version() != VERSION:", "if self._version() < 0:", HARMED_INDEX + "[of another version]"),
-    mutant("R5", "rows of the index are not checked", "workbench/run_index_file.py",
+    mutant("R5", "rows of the index are not checked", "workbench/run_index/file.py",
            "if row[-1] != _checksum(row[:-1]):", "if not row:", HARMED_INDEX + "[a cell was changed]"),
-    mutant("R5", "a file that is no database is an error instead of a new index", "workbench/run_index.py",
+    mutant("R5", "a file that is no database is an error instead of a new index", "workbench/run_index/index.py",
            "        except IndexDamaged as error:\n            self._rebuild(str(error))\n",
            "        except IndexDamaged:\n            raise\n", HARMED_INDEX + "[no database]"),
-    mutant("R5", "an index is rebuilt without a word", "workbench/run_index.py",
+    mutant("R5", "an index is rebuilt without a word", "workbench/run_index/index.py",
            'self.notice = f"The index of the runs was not usable ({reason}) and is rebuilt from the run folders."',
            'self.notice = ""', HARMED_INDEX + "[no database]"),
-    mutant("R5", "a locked index is not waited for", "workbench/run_index_file.py",
+    mutant("R5", "a locked index is not waited for", "workbench/run_index/file.py",
            "BUSY_S = 5.0", "BUSY_S = 0.0", INDEX + "test_a_lock_is_waited_for"),
     # R6: one bad run never hides the others.
     mutant("R6", "a configuration of deep nests is an error of the whole list", "workbench/run_files.py",

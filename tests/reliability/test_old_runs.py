@@ -16,10 +16,10 @@ from workbench.checkpoint_manifest import SCHEMA, read_manifest
 from workbench.launcher import resume
 from workbench.policies import resolve_policy
 from workbench.recordings import Recordings
-from workbench.run_index import RunIndex
-from workbench.run_index_file import NAME
-from workbench.run_index_query import RunSearch
-from workbench.run_index_record import read_record
+from workbench.run_index.file import NAME
+from workbench.run_index.index import RunIndex
+from workbench.run_index.query import RunSearch
+from workbench.run_index.record import read_record
 from workbench.runs import RunStore
 
 GOLDEN = Path(__file__).parents[1] / "golden"

@@ -19,8 +19,8 @@ from tests.security.hostile import EVERY
 from workbench.branch_text import read_branch
 from workbench.pages import compare_settings, fly_look, fly_settings, fly_start, runs_settings
 from workbench.policies import resolve_policy
-from workbench.run_index import RunIndex
-from workbench.run_index_query import RunSearch
+from workbench.run_index.index import RunIndex
+from workbench.run_index.query import RunSearch
 from workbench.runs import RunStore
 from workbench.seeds import parse_seeds
 

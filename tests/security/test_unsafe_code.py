@@ -123,7 +123,7 @@ sys.addaudithook(lambda event, args: seen.append(event) if event in ("pickle.fin
 from agents.config import TrainingConfig
 from sim.scenario_file import load_scenario, scenario_names
 from workbench.policies import resolve_policy, shipped_policies
-from workbench.run_index import RunIndex
+from workbench.run_index.index import RunIndex
 from workbench.runs import RunStore
 policies = [resolve_policy(name) for name in shipped_policies()]
 scenarios = [load_scenario(name) for name in scenario_names()]

@@ -20,8 +20,8 @@ from workbench import cli
 from workbench.commands import doctor, doctor_folders, doctor_machine
 from workbench.commands.doctor_machine import REINSTALL, Missing, dependency
 from workbench.run_files import take_lock
-from workbench.run_index import RunIndex
-from workbench.run_index_file import NAME
+from workbench.run_index.file import NAME
+from workbench.run_index.index import RunIndex
 from workbench.runs import RunStore
 
 Patch = pytest.MonkeyPatch

@@ -18,10 +18,10 @@ from agents.config import TrainingConfig
 from tests.workbench.test_runs import FAULTS
 from workbench.bench.runs import make_runs
 from workbench.run_files import write_json
-from workbench.run_index import RunIndex
-from workbench.run_index_file import NAME, VERSION
-from workbench.run_index_query import FACETS, SORTS, RunSearch
-from workbench.run_index_record import UNREADABLE, RunRecord
+from workbench.run_index.file import NAME, VERSION
+from workbench.run_index.index import RunIndex
+from workbench.run_index.query import FACETS, SORTS, RunSearch
+from workbench.run_index.record import UNREADABLE, RunRecord
 from workbench.run_notes import RunNotes, write_notes
 from workbench.run_state import RunState
 from workbench.runs import RunStore
@@ -154,7 +154,7 @@ def test_it_hears_of_new_changed_and_deleted_runs(made: RunStore) -> None:
 def test_only_what_changed_is_read(made: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
     index = _index(made)
     read: list[str] = []
-    from workbench import run_index
+    from workbench.run_index import index as run_index
 
     real = run_index.read_record
     monkeypatch.setattr(run_index, "read_record", lambda path, folder, trashed: (
@@ -310,7 +310,7 @@ def test_where_nothing_can_be_written_it_is_kept_in_memory(made: RunStore) -> No
 
 def test_a_full_disk_does_not_hide_the_runs(made: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
     # R7: pages open read-only.
-    from workbench import run_index_file
+    from workbench.run_index import file as run_index_file
 
     real = run_index_file.IndexFile
 
@@ -319,7 +319,7 @@ def test_a_full_disk_does_not_hide_the_runs(made: RunStore, monkeypatch: pytest.
             raise sqlite3.OperationalError("database or disk is full")
         return real(path)
 
-    monkeypatch.setattr("workbench.run_index.IndexFile", full)
+    monkeypatch.setattr("workbench.run_index.index.IndexFile", full)
     index = _index(made)
     assert len(index.find()) == COUNT
     assert "database or disk is full" in index.notice

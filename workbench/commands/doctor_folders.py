@@ -87,7 +87,7 @@ def readable(runs: Path) -> str:
 
 def index(runs: Path) -> str:
     """Whether the index can be used as it is; nothing is lost if not."""
-    from workbench.run_index_file import NAME, VERSION
+    from workbench.run_index.file import NAME, VERSION
 
     path = runs / NAME
     if not path.exists():

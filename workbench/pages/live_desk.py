@@ -20,8 +20,8 @@ from workbench.pages.live_settings import LiveSettings
 from workbench.pages.live_watch import RunWatch
 from workbench.queue_place import QueuePlace, queue_place
 from workbench.run_files import RunFileError, read_json
-from workbench.run_index_query import RunSearch
-from workbench.run_index_record import RunRecord
+from workbench.run_index.query import RunSearch
+from workbench.run_index.record import RunRecord
 from workbench.run_state import ACTIVE, RunState
 
 MOST_LOOKED_AT = 200

@@ -15,9 +15,9 @@ from layouts.theme import NEUTRAL
 from workbench.pages.live_cards import STATE_COLOURS
 from workbench.pages.live_settings import LiveSettings
 from workbench.pages.live_words import outcome
-from workbench.run_index import RunIndex
-from workbench.run_index_query import RunSearch
-from workbench.run_index_record import RunRecord
+from workbench.run_index.index import RunIndex
+from workbench.run_index.query import RunSearch
+from workbench.run_index.record import RunRecord
 from workbench.run_state import ACTIVE
 
 MOST_ALIVE, MOST_ENDED = 40, 14

@@ -25,7 +25,7 @@ from workbench.pages.runs_table import TABLE_HEIGHT, RunsTable
 from workbench.pages.runs_values import bar_values, table_values
 from workbench.pages.runs_view import gather_list, gather_more
 from workbench.run_folder import is_run_id
-from workbench.run_index_record import RunRecord
+from workbench.run_index.record import RunRecord
 from workbench.run_notes import RunNotes
 
 SETTLED_S = 0.6

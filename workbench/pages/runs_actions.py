@@ -13,8 +13,8 @@ import panel_material_ui as pmui
 
 from sim.errors import SubMasError, shorten
 from workbench.launcher import resume
-from workbench.run_index import RunIndex
-from workbench.run_index_record import RunRecord
+from workbench.run_index.index import RunIndex
+from workbench.run_index.record import RunRecord
 from workbench.run_notes import RunNotes, parse_tags, read_notes, write_notes
 from workbench.runs import RunStore
 

@@ -9,7 +9,7 @@ import param
 from panel.custom import JSComponent
 
 from workbench.pages.runs_settings import GROUPS
-from workbench.run_index_query import FACETS
+from workbench.run_index.query import FACETS
 
 TITLES = {
     "state": "State", "task": "Task", "variant": "Variant", "profile": "Profile", "scenario": "Scenario", "tag": "Tags",

@@ -9,7 +9,7 @@ from sim.errors import SubMasError
 from sim.scenario_file import load_scenario
 from sim.task import Task
 from workbench.reproduce.result_file import load
-from workbench.run_index_record import RunRecord
+from workbench.run_index.record import RunRecord
 
 EXPERT_LABEL = "Defensive-dragging expert"
 EXPERT_SHORT = "Dragging expert"

@@ -16,7 +16,7 @@ from workbench.pages.runs_baseline import EXPERT_SHORT, expert_rate
 from workbench.pages.runs_groups import Group
 from workbench.pages.runs_metrics import RATES, X_LABELS, Look, RunMetrics, curve_of, group_curve, metrics_of
 from workbench.pages.runs_settings import EXPERT, METRICS, NO_BASELINE, STAGES, X_AXES, RunsSettings
-from workbench.run_index_record import RunRecord
+from workbench.run_index.record import RunRecord
 
 MOST_MEMBERS = 30
 """Runs of a group that are read for its curve: the newest."""

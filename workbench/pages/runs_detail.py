@@ -16,7 +16,7 @@ from layouts.theme import FAILURE, NEUTRAL
 from sim.errors import SubMasError
 from workbench.pages.address import fly_address
 from workbench.pages.live_cards import STATE_COLOURS
-from workbench.run_index_record import UNREADABLE, RunRecord
+from workbench.run_index.record import UNREADABLE, RunRecord
 from workbench.run_notes import NOTE_LIMIT, RunNotes, parse_tags
 from workbench.run_state import ACTIVE, RESUMABLE
 from workbench.runs import Run

@@ -6,7 +6,7 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable
 
-from workbench.run_index import RunIndex
+from workbench.run_index.index import RunIndex
 
 TICK_S = 1.0
 PROGRESS_S = 0.5

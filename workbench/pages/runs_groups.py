@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from agents.statistics import bootstrap
-from workbench.run_index_record import UNREADABLE, RunRecord
+from workbench.run_index.record import UNREADABLE, RunRecord
 from workbench.scenarios import scenario_label
 
 REPLICATES = 1000

@@ -10,9 +10,9 @@ from sim.errors import SubMasError, shorten
 from workbench.pages.address import search
 from workbench.policies import EXPERTS, SHIPPED_LABELS, natural_guide
 from workbench.run_folder import RUN_ID
-from workbench.run_index import RunIndex
-from workbench.run_index_query import RunSearch
-from workbench.run_index_record import RunRecord
+from workbench.run_index.index import RunIndex
+from workbench.run_index.query import RunSearch
+from workbench.run_index.record import RunRecord
 from workbench.runs import Run
 from workbench.stages import summarise
 from workbench.terminal import percent

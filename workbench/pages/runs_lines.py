@@ -9,8 +9,8 @@ from typing import Any
 from workbench.pages.runs_baseline import EXPERT_LABEL, expert_rate, expert_rate_of
 from workbench.pages.runs_groups import Group, dots, grouped
 from workbench.pages.runs_settings import EXPERT, NO_BASELINE, RunsSettings, group_key
-from workbench.run_index import RunIndex
-from workbench.run_index_record import RunRecord
+from workbench.run_index.index import RunIndex
+from workbench.run_index.record import RunRecord
 from workbench.scenarios import DEFAULT, other_scenario
 from workbench.terminal import duration
 

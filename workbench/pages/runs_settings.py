@@ -8,7 +8,7 @@ from typing import Final
 from urllib.parse import quote, unquote
 
 from workbench.run_folder import is_run_id
-from workbench.run_index_query import FACETS, NEWEST_FIRST, SORTS, RunSearch
+from workbench.run_index.query import FACETS, NEWEST_FIRST, SORTS, RunSearch
 
 SLOTS: Final = 10
 """Curves that may lie over each other; each place has its colour."""

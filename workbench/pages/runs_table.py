@@ -27,7 +27,7 @@ COLUMNS: tuple[dict[str, Any], ...] = (
     {"name": "tags", "title": "Tags", "width": 110, "grow": 1, "least": 1312},
 )  # fmt: skip
 """Columns: what a line calls the value, its title, least width [px] and share of what is left over, its key of
-`run_index_query.SORTS`, and from which width of the table on [px] it is shown."""
+`run_index.query.SORTS`, and from which width of the table on [px] it is shown."""
 TABLE_HEIGHT = 380
 
 

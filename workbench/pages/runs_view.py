@@ -14,8 +14,8 @@ from workbench.pages.runs_lineage import lineage_of
 from workbench.pages.runs_lines import Listing, baseline_line, listing
 from workbench.pages.runs_settings import RunsSettings
 from workbench.run_folder import is_run_id, problem_of
-from workbench.run_index import RunIndex
-from workbench.run_index_record import RunRecord
+from workbench.run_index.index import RunIndex
+from workbench.run_index.record import RunRecord
 from workbench.runs import Run, RunStore
 
 

@@ -25,7 +25,7 @@ from workbench.pages.runs_groups import grouped
 from workbench.pages.runs_settings import EXPERT, SLOTS, RunsSettings, read_settings
 from workbench.pages.runs_view import gather_more, run_of
 from workbench.run_files import append_line
-from workbench.run_index_query import RunSearch
+from workbench.run_index.query import RunSearch
 from workbench.run_notes import RunNotes, read_notes, write_notes
 from workbench.run_state import RunState
 
