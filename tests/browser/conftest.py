@@ -34,6 +34,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
                 item.add_marker(pytest.mark.flaky(reruns=1))
 
 
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """A first try that failed is told of in full, though the second may pass."""
+    if report.outcome == "rerun":
+        print(f"\nfirst try of {report.nodeid}, {report.when}:\n{report.longreprtext}")  # noqa: T201
+
+
 @pytest.fixture(scope="session")
 def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[str, Any]:
     """Playwright starts the Chromium that is there; without one the tests fail in CI and are skipped elsewhere."""

@@ -90,7 +90,7 @@ def test_a_page_whose_connection_was_cut_is_current_again_and_pressed_nothing_tw
     expect(visitor.locator(BAR)).to_contain_text("No answer: the workbench was stopped or cannot be reached")
     learn(37)
     said = len(cable.sent)
-    visitor.get_by_role("button", name="Pause").click()  # nobody hears it
+    visitor.get_by_role("button", name="Pause").dispatch_event("click")  # what covers the page by then is no matter
     visitor.wait_for_timeout(500)
     assert len(cable.sent) == said and not run.pause_requested()
     address = visitor.url

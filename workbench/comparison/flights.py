@@ -23,8 +23,6 @@ from workbench.runs import RunStore
 
 Tell = Callable[[float], None]
 """Called with the share that is done, 0 to 1."""
-LANES = 256
-"""Engagements flown side by side: the network's layers stay in the cache; more are slower on one core."""
 USUAL_SHARE = 0.75
 """Usual length of an engagement as a share of the step limit, for the progress bar alone."""
 NEARLY = 0.99
@@ -52,7 +50,7 @@ def do(work: Work, runs: Path, tell: Tell) -> dict[str, Any]:
     if work.kind == "evaluation":
         watched = Watched(policy, work.episodes * USUAL_SHARE * task.scenario.rules.max_steps, tell)
         progress = watched.count
-        return evaluation_to_json(evaluate(watched, task, work.episodes, work.seed, LANES, progress))
+        return evaluation_to_json(evaluate(watched, task, work.episodes, work.seed, progress=progress))
     if work.kind == "survival":
         return survival(policy, task, work.seed, tell).to_json()
     return {"tracks": tracks(task, bind(policy, task), work.seed, work.numbers)}
