@@ -37,7 +37,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """A first try that failed is told of in full, though the second may pass."""
     if report.outcome == "rerun":
-        print(f"\nfirst try of {report.nodeid}, {report.when}:\n{report.longreprtext}")  # noqa: T201
+        print(f"\nfirst try of {report.nodeid}, {report.when}:\n{report.longreprtext}")
 
 
 @pytest.fixture(scope="session")
