@@ -11,7 +11,7 @@ from pathlib import Path
 
 from layouts.letters import evader_inks
 from sim.trajectory import Trajectory
-from workbench.viewer_files import cache_folder
+from workbench.cache_folder import cache_folder, keep_newest
 
 PREFIXES = "abcdefgh"
 """Entities of the first flight are under `/a`, of the second under `/b`, and so on."""
@@ -48,18 +48,8 @@ class Recordings:
             os.replace(scratch, path)
         finally:
             Path(scratch).unlink(missing_ok=True)
-        self._prune()
+        keep_newest(self.folder, "flights-*.rrd", KEPT)
         return name
-
-    def _prune(self) -> None:
-        kept = []
-        for path in self.folder.glob("flights-*.rrd"):
-            try:
-                kept.append((path.stat().st_mtime, path))
-            except FileNotFoundError:  # another process prunes as well
-                continue
-        for _age, path in sorted(kept, reverse=True)[KEPT:]:
-            path.unlink(missing_ok=True)
 
 
 def write_recording(path: Path, flights: Mapping[str, Trajectory]) -> None:

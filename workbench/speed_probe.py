@@ -17,10 +17,10 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from sim.errors import SubMasError
+from workbench.cache_folder import cache_folder
 from workbench.estimate import Speed
 from workbench.launcher import environment
 from workbench.run_files import RunFileError, read_json, write_json
-from workbench.viewer_files import cache_folder
 
 if TYPE_CHECKING:
     from agents.hyperparameters import Hyperparameters

@@ -23,6 +23,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from sim.errors import SubMasError
+from workbench.cache_folder import cache_folder
 from workbench.run_files import waiting_lock
 
 FILES = ("index.html", "re_viewer.js", "re_viewer_bg.wasm", "favicon.ico")
@@ -32,12 +33,6 @@ _FOREIGN_LINKS = re.compile(rb'<link[^>]*href="https?://[^>]*>\s*', re.DOTALL)
 
 class ViewerError(SubMasError):
     """The installed Rerun wheel does not give its web viewer."""
-
-
-def cache_folder() -> Path:
-    """Where derived files of this user live: `$XDG_CACHE_HOME/submas-workbench`, usually under `~/.cache`."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "submas-workbench"
 
 
 def viewer_folder() -> Path:

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from agents.evaluation import EpisodeResults, Evaluation
+from workbench.cache_folder import cache_folder, keep_newest
 from workbench.comparison.work import Work
 from workbench.run_files import strict, write_bytes
-from workbench.viewer_files import cache_folder
 
 KEPT = 1500
 """Results kept (about 25 kB for a thousand engagements); the oldest go first."""
@@ -72,20 +72,10 @@ class ComparisonCache:
         self.folder.mkdir(parents=True, exist_ok=True)
         content = json.dumps(strict(result), allow_nan=False, separators=(",", ":"))
         write_bytes(self._path(work), content.encode())
-        self._prune()
+        keep_newest(self.folder, "*.json", KEPT)
 
     def _path(self, work: Work) -> Path:
         return self.folder / f"{work.name}.json"
-
-    def _prune(self) -> None:
-        kept = []
-        for path in self.folder.glob("*.json"):
-            try:
-                kept.append((path.stat().st_mtime, path))
-            except FileNotFoundError:  # another process prunes as well
-                continue
-        for _age, path in sorted(kept, reverse=True)[KEPT:]:
-            path.unlink(missing_ok=True)
 
 
 def evaluation_to_json(evaluation: Evaluation) -> dict[str, Any]:

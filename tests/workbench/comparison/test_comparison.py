@@ -6,15 +6,15 @@ import csv
 import dataclasses
 import io
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from agents.evaluation import EpisodeResults, evaluate
 from agents.policy import bind
-from sim.task import Task, task_for
+from sim.task import task_for
 from sim.trajectory import fly
+from tests.workbench.comparison.works import ONE_MISSILE, SEED, some_work
 from workbench.comparison import work as work_module
 from workbench.comparison.cache import ComparisonCache, evaluation_to_json
 from workbench.comparison.closely import look_closely
@@ -26,30 +26,14 @@ from workbench.comparison.work import ComparisonError, Work
 from workbench.policies import resolve_policy
 from workbench.runs import RunStore
 
-SEED = 2**46
-ONE_MISSILE = task_for("default", "2,3,4")
 PATIENCE_S = 300.0
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> RunStore:
-    return RunStore(tmp_path / "runs")
-
-
-@pytest.fixture
-def cache(tmp_path: Path) -> ComparisonCache:
-    return ComparisonCache(tmp_path / "cache")
-
-
-def _work(store: RunStore, policy: str = "expert-dragging", task: Task = ONE_MISSILE, episodes: int = 20) -> Work:
-    return entry(policy, task, store).work("evaluation", "default", task, SEED, episodes=episodes)
 
 
 # Work and its name
 
 
 def test_the_name_changes_with_everything_that_changes_a_flight(store: RunStore) -> None:
-    work = _work(store)
+    work = some_work(store)
     changes = {
         "policy": "expert-navigation", "scenario_digest": "0" * 12, "mask": "", "seed": 1, "episodes": 21,
         "policy_digest": "0" * 12, "kind": "tracks", "numbers": (1,),
@@ -59,19 +43,19 @@ def test_the_name_changes_with_everything_that_changes_a_flight(store: RunStore)
 
 
 def test_a_policy_is_the_same_under_whatever_name_it_was_found(store: RunStore) -> None:
-    work = _work(store, "submas-target", task_for())
+    work = some_work(store, "submas-target", task_for())
     assert work.policy_digest
     assert dataclasses.replace(work, policy="20261122-000000-abcdef").name == work.name
 
 
 def test_another_version_of_the_simulator_flies_again(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = _work(store).name
+    before = some_work(store).name
     monkeypatch.setattr(work_module, "source", lambda: "another")
-    assert _work(store).name != before
+    assert some_work(store).name != before
 
 
 def test_work_survives_json(store: RunStore) -> None:
-    work = dataclasses.replace(_work(store), numbers=(3, 1))
+    work = dataclasses.replace(some_work(store), numbers=(3, 1))
     assert Work.from_json(json.loads(json.dumps(work.to_json()))) == work
 
 
@@ -79,7 +63,7 @@ def test_work_survives_json(store: RunStore) -> None:
 
 
 def test_an_evaluation_comes_back_as_it_was(store: RunStore, cache: ComparisonCache) -> None:
-    work = _work(store)
+    work = some_work(store)
     flown = evaluate(resolve_policy(work.policy), ONE_MISSILE, 20, SEED)
     cache.write(work, evaluation_to_json(flown))
     back = cache.evaluation(work)
@@ -91,7 +75,7 @@ def test_an_evaluation_comes_back_as_it_was(store: RunStore, cache: ComparisonCa
 
 @pytest.mark.parametrize("content", ["", "[]", "{", '{"figures": 1}', "null", "[" * 10_000])
 def test_a_damaged_result_is_no_result_and_goes(store: RunStore, cache: ComparisonCache, content: str) -> None:
-    work = _work(store)
+    work = some_work(store)
     cache.write(work, {})
     path = next(cache.folder.iterdir())
     path.write_text(content)
@@ -99,7 +83,7 @@ def test_a_damaged_result_is_no_result_and_goes(store: RunStore, cache: Comparis
 
 
 def test_columns_of_another_length_are_refused(store: RunStore, cache: ComparisonCache) -> None:
-    work = _work(store)
+    work = some_work(store)
     values = evaluation_to_json(evaluate(resolve_policy(work.policy), ONE_MISSILE, 2, SEED))
     values["episodes"]["killer"].append(0)
     cache.write(work, values)
@@ -111,7 +95,7 @@ def test_columns_of_another_length_are_refused(store: RunStore, cache: Compariso
 
 def test_a_worker_counts_what_the_one_evaluator_counts(store: RunStore) -> None:
     shares: list[float] = []
-    work = _work(store)
+    work = some_work(store)
     values = do(work, store.root, shares.append)
     expected = evaluation_to_json(evaluate(resolve_policy(work.policy), ONE_MISSILE, 20, SEED))
     assert values["episodes"] == expected["episodes"]
@@ -134,7 +118,7 @@ def test_tracks_are_those_of_the_recorded_flight(store: RunStore) -> None:
 
 
 def test_a_policy_that_has_changed_is_not_flown_under_the_old_name(store: RunStore) -> None:
-    work = dataclasses.replace(_work(store, "submas-target", task_for()), policy_digest="0" * 12)
+    work = dataclasses.replace(some_work(store, "submas-target", task_for()), policy_digest="0" * 12)
     with pytest.raises(ComparisonError, match="fly again"):
         do(work, store.root, lambda share: None)
 

@@ -6,35 +6,17 @@ import asyncio
 import dataclasses
 import subprocess
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
-from sim.task import Task, task_for
+from tests.workbench.comparison.works import some_work
 from workbench.comparison import work as work_module
 from workbench.comparison.cache import ComparisonCache
-from workbench.comparison.policies import entry
 from workbench.comparison.queue import ComparisonQueue
 from workbench.comparison.work import Work
 from workbench.runs import RunStore
 
-SEED = 2**46
-ONE_MISSILE = task_for("default", "2,3,4")
 PATIENCE_S = 300.0
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> RunStore:
-    return RunStore(tmp_path / "runs")
-
-
-@pytest.fixture
-def cache(tmp_path: Path) -> ComparisonCache:
-    return ComparisonCache(tmp_path / "cache")
-
-
-def _work(store: RunStore, policy: str = "expert-dragging", task: Task = ONE_MISSILE, episodes: int = 20) -> Work:
-    return entry(policy, task, store).work("evaluation", "default", task, SEED, episodes=episodes)
 
 
 def _until(queue: ComparisonQueue, works: list[Work], over: Callable[[], bool]) -> None:
@@ -49,7 +31,7 @@ def _until(queue: ComparisonQueue, works: list[Work], over: Callable[[], bool]) 
 
 
 def test_processes_fly_what_is_wanted_and_a_second_look_is_immediate(store: RunStore, cache: ComparisonCache) -> None:
-    works = [_work(store, policy) for policy in ("expert-dragging", "expert-navigation")]
+    works = [some_work(store, policy) for policy in ("expert-dragging", "expert-navigation")]
     queue = ComparisonQueue(store.root, cache, workers=1)
     _until(queue, [*works, works[0]], lambda: all(cache.has(work) for work in works))
     one = cache.evaluation(works[0])
@@ -60,7 +42,7 @@ def test_processes_fly_what_is_wanted_and_a_second_look_is_immediate(store: RunS
 
 
 def test_what_is_dropped_ends_and_leaves_no_result(store: RunStore, cache: ComparisonCache) -> None:
-    long, waiting = _work(store, episodes=10_000), _work(store, "expert-navigation", episodes=9_999)
+    long, waiting = some_work(store, episodes=10_000), some_work(store, "expert-navigation", episodes=9_999)
     queue = ComparisonQueue(store.root, cache, workers=1)
 
     async def story() -> None:
@@ -80,7 +62,7 @@ def test_what_is_dropped_ends_and_leaves_no_result(store: RunStore, cache: Compa
 
 
 def test_what_another_page_waits_for_is_not_dropped(store: RunStore, cache: ComparisonCache) -> None:
-    work = _work(store, episodes=10_000)
+    work = some_work(store, episodes=10_000)
     queue = ComparisonQueue(store.root, cache, workers=1)
 
     async def story() -> None:
@@ -100,7 +82,7 @@ def test_what_another_page_waits_for_is_not_dropped(store: RunStore, cache: Comp
 def test_a_worker_that_dies_is_told_of_and_its_work_can_be_asked_for_again(
     store: RunStore, cache: ComparisonCache
 ) -> None:
-    work = _work(store, episodes=10_000)
+    work = some_work(store, episodes=10_000)
     queue = ComparisonQueue(store.root, cache, workers=1)
 
     async def story() -> None:
@@ -121,7 +103,7 @@ def test_a_worker_that_dies_is_told_of_and_its_work_can_be_asked_for_again(
 
 
 def test_a_mistake_is_one_sentence(store: RunStore, cache: ComparisonCache) -> None:
-    work = dataclasses.replace(_work(store), scenario="nowhere")
+    work = dataclasses.replace(some_work(store), scenario="nowhere")
     queue = ComparisonQueue(store.root, cache, workers=1)
     told: list[str] = []
 
@@ -138,7 +120,7 @@ def test_a_result_of_other_code_is_not_waited_for_again_and_again(
     store: RunStore, cache: ComparisonCache, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(work_module, "source", lambda: "what this process was started with")
-    work = _work(store)
+    work = some_work(store)
     queue = ComparisonQueue(store.root, cache, workers=1)
     told: list[str] = []
 
@@ -154,7 +136,7 @@ def test_a_result_of_other_code_is_not_waited_for_again_and_again(
 
 @pytest.mark.parametrize("after", ["", "waiting", "flying"])
 def test_a_server_that_ends_takes_its_workers_along(store: RunStore, cache: ComparisonCache, after: str) -> None:
-    work, queue = _work(store, episodes=10_000), ComparisonQueue(store.root, cache, workers=1)
+    work, queue = some_work(store, episodes=10_000), ComparisonQueue(store.root, cache, workers=1)
 
     async def story() -> subprocess.Popen[bytes] | None:
         queue.want([work])
