@@ -110,7 +110,7 @@ DOOR: Final = (
     mutant("S8", "any name is taken for a recording's", "workbench/file_routes.py",
            r'(r"/rrd/([A-Za-z0-9][A-Za-z0-9._-]{0,150}\.rrd)"', '(r"/rrd/(.+)"', TRAVERSAL),
     mutant("S8", "what begins like the id of a run is one", "workbench/run_folder.py", "RUN_ID.fullmatch(text)",
-           "RUN_ID.match(text)", "tests/workbench/test_runs.py::test_only_an_id_ever_becomes_a_path"),
+           "RUN_ID.match(text)", "tests/reliability/test_runs.py::test_only_an_id_ever_becomes_a_path"),
     # S14: going remote is refused.
     mutant("S14", "only 0.0.0.0 counts as remote", SERVE, "    if host not in OWN_NAMES:\n",
            '    if host == "0.0.0.0":\n', BOUNDS + "test_remote_is_refused_with_the_way_to_do_it"),

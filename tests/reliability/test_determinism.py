@@ -157,7 +157,7 @@ def test_another_process_flies_the_same_bits(batch: Flights) -> None:
     # Nothing may depend on what a process did before: hash seeds, caches, the order of imports.
     code = (
         "import hashlib, numpy as np\n"
-        "from tests.laws.test_determinism import LANES, TURNS, together\n"
+        "from tests.reliability.test_determinism import LANES, TURNS, together\n"
         "print(hashlib.sha256(together(np.arange(LANES), TURNS).observation.tobytes()).hexdigest())"
     )
     root = Path(__file__).parents[2]

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from agents.config import TrainingConfig
-from tests.workbench.test_runs import FAULTS
+from tests.reliability.test_runs import FAULTS
 from workbench.bench.runs import make_runs
 from workbench.run_files import write_json
 from workbench.run_index.file import NAME, VERSION
