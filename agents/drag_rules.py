@@ -38,7 +38,7 @@ class DragRule:
     def act(self, observation: FloatArray, layout: Layout) -> FloatArray:
         """Turning angles `[B, 1]` [rad] for observations `[B, d]`."""
         navigate = NavigationExpert().act(observation, layout)
-        ranges, azimuths = missile_columns(layout)
+        ranges, azimuths = missile_columns(layout.names)
         if len(ranges) == 0:
             return navigate
         range_m = np.where(observation[:, ranges] < 0.0, np.inf, observation[:, ranges])
@@ -97,6 +97,6 @@ class LoiterExpert:
 
     def act(self, observation: FloatArray, layout: Layout) -> FloatArray:
         """Turning angles `[B, 1]` [rad]."""
-        ranges, _ = missile_columns(layout)
+        ranges, _ = missile_columns(layout.names)
         flying = (observation[:, ranges] >= 0.0).any(axis=1, keepdims=True)
         return np.where(flying, self._rule.act(observation, layout), np.float32(self._circle))

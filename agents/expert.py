@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class DraggingExpert:
     def act(self, observation: FloatArray, layout: Layout) -> FloatArray:
         """Turning angles `[B, 1]` [rad] for observations `[B, d]`."""
         navigate = self._navigation.act(observation, layout)
-        ranges, azimuths = missile_columns(layout)
+        ranges, azimuths = missile_columns(layout.names)
         if len(ranges) == 0:
             return navigate
         range_m = observation[:, ranges]
@@ -82,11 +83,12 @@ def drag_turn(azimuth_rad: FloatArray, angle_rad: float) -> FloatArray:
     return np.where(np.abs(to_left) <= np.abs(to_right), to_left, to_right)
 
 
-def missile_columns(layout: Layout) -> tuple[IntArray, IntArray]:
-    """Columns of the ranges and of the azimuths of all missiles in a layout, by ascending missile number."""
-    missiles = sorted({subtask_number(name) for name in layout.names} - {0})
-    ranges = [layout.names.index(f"r_{missile}") for missile in missiles]
-    azimuths = [layout.names.index(f"phi_{missile}") for missile in missiles]
+@cache
+def missile_columns(names: tuple[str, ...]) -> tuple[IntArray, IntArray]:
+    """Columns of the ranges and of the azimuths of all missiles among columns, by ascending missile number."""
+    missiles = sorted({subtask_number(name) for name in names} - {0})
+    ranges = [names.index(f"r_{missile}") for missile in missiles]
+    azimuths = [names.index(f"phi_{missile}") for missile in missiles]
     return np.array(ranges, int), np.array(azimuths, int)
 
 

@@ -77,13 +77,13 @@ def build_scene(
         overlay: draw all flights on one battlefield.
         root: prefix of all names. viser keeps the place of a name that comes back, so it should be a new one each time.
     """
+    # The background is the page's own: painting it in the scene costs a machine without graphics card a third of a frame.
     look, field = ground(mode), flights[0].task.scenario.battlefield
     pitch = 0.0 if overlay else field.length_m * KM + GAP_KM
     server.scene.reset()
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(True, cast_shadow=False)
     server.scene.configure_environment_map(None)
-    server.scene.set_background_image(np.full((2, 2, 3), look.background, dtype=np.uint8), format="png")
     bodies: list[Body] = []
     marks: list[Mark] = []
     offsets = tuple(np.array([(n - (len(flights) - 1) / 2) * pitch, 0.0, 0.0]) for n in range(len(flights)))

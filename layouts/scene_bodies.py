@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,9 @@ from layouts.theme import Ground, Rgb, blend
 TAIL_S = 75.0
 TAIL_POINTS = 26
 TAIL_LIFT_KM = 0.4
-PATH_POINTS = 500
+PATH_TURN_RAD = math.radians(4.0)
+PATH_GAP_S = 10.0
+"""A whole path bends at every so much of a turn, and at least this often: it takes colour from the energy there."""
 BEAM_KM = 24.0
 BEAM_DASHES = 9
 LABEL_SCALE = 0.8
@@ -201,7 +204,17 @@ def beam_lines(length_km: float) -> NDArray[np.float64]:
 
 
 def _path_times(path: Motion) -> NDArray[np.float64]:
-    return path.time_s[:: max(1, len(path.time_s) // PATH_POINTS)]
+    """When a path has turned or flown one step further, and its ends: few samples where it is straight.
+
+    Without a graphics card the picture costs as much as it has segments.
+    """
+    along = np.diff(path.position_km, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+    bends = np.linalg.norm(np.diff(along, axis=0), axis=1)  # the angle, for as small ones as these
+    turned = np.concatenate([[0.0], np.cumsum(bends), [0.0]])[: len(path.time_s)]
+    steps = np.floor(turned / PATH_TURN_RAD) + np.floor((path.time_s - path.time_s[0]) / PATH_GAP_S)
+    kept = np.flatnonzero(np.diff(steps, prepend=-1.0, append=-1.0)[:-1])
+    return path.time_s[np.union1d(kept, [0, len(steps) - 1])]
 
 
 def _segment_colours(points: NDArray[np.uint8]) -> NDArray[np.uint8]:

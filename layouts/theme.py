@@ -70,6 +70,11 @@ def rgb(colour: str) -> Rgb:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
+def hexadecimal(colour: Rgb) -> str:
+    """Three integers 0 to 255 as `#rrggbb`."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
 def blend(colour: Rgb, other: Rgb, share: float) -> Rgb:
     """`colour` with `share` (0 to 1) of `other` mixed in: how opaque lines are made to look faint."""
     mixed: NDArray[np.float64] = np.asarray(colour) * (1.0 - share) + np.asarray(other) * share

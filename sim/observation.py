@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ class ObservationLayout:
 
     missiles: tuple[int, ...]
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Column names in order, for example `("x", ..., "phi_exit", "r_1", "phi_1")`."""
         return OWN_NAMES + tuple(f"{kind}_{m}" for m in self.missiles for kind in ("r", "phi"))

@@ -65,7 +65,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         dark_theme=not light,
         theme_config={"dark": _look("dark"), "light": _look("light")},
         busy_indicator=None,
-        sx={"& > .header": {"backgroundColor": _css(theme.DARK.field), "backgroundImage": "none"}},
+        sx={"& > .header": {"backgroundColor": theme.hexadecimal(theme.DARK.field), "backgroundImage": "none"}},
         main=[_content(context, name)],
     )
     # The frame hears of every event that Python begins and ends, and each time Panel walks over all models of the page,
@@ -80,7 +80,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
 
 def _look(mode: theme.Mode) -> dict[str, Any]:
     """Colours of the frame and its widgets, with enough contrast for words, and what they are to a listener."""
-    background = _css(theme.ground(mode).background)
+    background = theme.hexadecimal(theme.ground(mode).background)
     filled = {"backgroundColor": theme.FILLED, "color": "#ffffff"}
     button = {"props": {"variant": "contained", "color": "primary"}, "style": filled}
     return {
@@ -96,10 +96,6 @@ def _look(mode: theme.Mode) -> dict[str, Any]:
             "MuiToggleButton": {"styleOverrides": {"root": {"&&&&.Mui-selected": filled}}},
         },
     }
-
-
-def _css(colour: theme.Rgb) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*colour)
 
 
 def _keep_theme(links: Navigation, dark: bool) -> None:

@@ -1,7 +1,6 @@
 // The 3-D replay in its frame. viser's own control panel and notices are hidden: the page has the controls.
 const HIDE = `
-  [data-floating-window], [data-dock-region], [data-dock-bar], .mantine-Notifications-root, .mantine-Affix-root { display: none !important }
-  body { background: transparent }`
+  [data-floating-window], [data-dock-region], [data-dock-bar], .mantine-Notifications-root, .mantine-Affix-root { display: none !important }`
 const CAMERAS = [["overview", "Overview", "All of both battlefields"], ["top", "Top", "Straight down"],
   ["chase-a", "Chase A", "Behind evader A"], ["chase-b", "Chase B", "Behind evader B"]]
 const BRANCH = ["chase-branch", "Chase branch", "Behind the evader of the branch"]
@@ -12,6 +11,7 @@ const DRAWN = [["readouts", "Read-outs", "Speed, load, range, closure, azimuth a
   ["sight", "Sight", "Lines from the evader to every missile in flight"],
   ["beams", "±90°", "Beam lines at ±90° off the evader's nose, where defensive dragging holds the closest missile"],
   ["energy", "Energy", "Trails of missiles by the energy they have left: bright is much, dull is little"]]
+const PATIENCE_MS = 500
 const PASSED_ON = new Set([" ", "?", "c", ",", ".", "[", "]"])
 
 function isDark() {
@@ -24,9 +24,16 @@ function isDark() {
   return red + green + blue < 384
 }
 
-function hasWebgl() {
-  try { return document.createElement("canvas").getContext("webgl2") !== null } catch { return false }
+// What draws 3-D here: the words of the graphics card's driver, or null without WebGL 2.
+function renderer() {
+  try {
+    const gl = document.createElement("canvas").getContext("webgl2")
+    return gl && String(gl.getParameter(gl.getExtension("WEBGL_debug_renderer_info")?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER))
+  } catch { return null }
 }
+
+// The processor's own pixels are dear: viser would come down to this share by itself, after seconds of stutter.
+const SOFTWARE = /swiftshader|llvmpipe|software|basic render/i, COARSE = 0.75
 
 export function render({model}) {
   const root = document.createElement("div")
@@ -34,7 +41,8 @@ export function render({model}) {
   const cover = document.createElement("div")
   cover.className = "cover"
   cover.textContent = "Opening the 3-D replay …"
-  if (!hasWebgl()) {
+  const driver = renderer()
+  if (driver === null) {
     cover.textContent = "This browser offers no WebGL 2, so the 3-D replay cannot be drawn. The map and the curves below work without it."
     cover.classList.add("problem")
     root.append(cover)
@@ -42,8 +50,12 @@ export function render({model}) {
   }
   const frame = document.createElement("iframe")
   frame.title = "3-D replay of both flights"
-  if (model.address) { frame.src = model.address }
-  model.on("address", () => { frame.src = model.address })
+  const open = () => {
+    const coarse = SOFTWARE.test(driver) ? `?fixedDpr=${COARSE * devicePixelRatio}` : ""
+    if (model.address) { frame.src = model.address + coarse }
+  }
+  open()
+  model.on("address", open)
   const bar = document.createElement("div")
   bar.className = "bar"
   bar.setAttribute("role", "group")
@@ -62,12 +74,25 @@ export function render({model}) {
 
   function hide() {
     const page = frame.contentDocument
-    if (!page?.head || page.getElementById("workbench-style")) { return }
-    const style = page.createElement("style")
-    style.id = "workbench-style"
-    style.textContent = HIDE
-    page.head.append(style)
-    hold(page)
+    if (!page?.head) { return }
+    let style = page.getElementById("workbench-style")
+    if (!style) {
+      style = page.createElement("style")
+      style.id = "workbench-style"
+      page.head.append(style)
+      hold(page)
+    }
+    const rules = `${HIDE} body { background: ${model.background || "transparent"} !important }`
+    if (style.textContent !== rules) { style.textContent = rules }
+  }
+
+  // The second frame from now begins when the first has been painted; a hidden page draws none.
+  function tellWhenPainted() {
+    const due = model.due
+    let told = false
+    const tell = () => { if (!told && due > model.painted) { told = true; model.painted = due } }
+    requestAnimationFrame(() => requestAnimationFrame(tell))
+    setTimeout(tell, PATIENCE_MS)
   }
 
   function choose(name) { model.camera = name; model.look += 1; drawBar() }
@@ -159,6 +184,9 @@ export function render({model}) {
 
   document.addEventListener("keydown", onKey)
   model.on("remove", () => document.removeEventListener("keydown", onKey))
+  model.on("background", hide)
+  model.on("due", tellWhenPainted)
+  if (model.due > model.painted) { tellWhenPainted() }
   model.on(["camera", "overlay", "branch", "drawn"], drawBar)
   model.on("picture", () => {
     drawBar()

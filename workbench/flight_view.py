@@ -16,7 +16,7 @@ from panel.custom import JSComponent
 from layouts.cameras import FIELD_OF_VIEW_RAD, chase, overview
 from layouts.motion import Motion
 from layouts.scene import Additions, FlightScene, build_scene
-from layouts.theme import POLICY_A, POLICY_B, Mode
+from layouts.theme import POLICY_A, POLICY_B, Mode, ground, hexadecimal
 from sim.trajectory import Trajectory
 from workbench.scene_photo import PhotoError, photograph
 
@@ -62,7 +62,9 @@ class FlightFrame(JSComponent):
     overlay = param.Boolean(default=False, doc="both flights on one battlefield; set by the browser")
     branch = param.Boolean(default=False, doc="whether there is a branch to follow")
     dark = param.Boolean(default=True, doc="whether the page is dark; set by the browser")
-
+    background = param.String(doc="colour behind the scene, #rrggbb")
+    due = param.Integer(default=0, doc="counts flights whose scene waits until the page is painted")
+    painted = param.Integer(default=0, doc="the last of them after which the page was painted; set by the browser")
     photo = param.Integer(default=0, doc="counts pictures asked for; set by the browser")
     picture = param.Dict(default={}, doc="`number` of the picture asked for, and its PNG as `data` or a `problem`")
 
@@ -80,6 +82,7 @@ class FlightView:
         self._open = True
         self._scene: FlightScene | None = None
         self._flights: Sequence[Trajectory] = ()
+        self._waiting: tuple[Sequence[Trajectory], float] = (), 0.0
         self._time_s = 0.0
         self._builds = 0
         self.layer: Layer | None = None
@@ -91,13 +94,27 @@ class FlightView:
         self.frame.param.watch(lambda *_events: self._aim_all(), ["camera", "look"])
         self.frame.param.watch(lambda *_events: (self._redraw(), self.draw_layer()), "drawn")
         self.frame.param.watch(self._photograph, "photo")
+        self.frame.param.watch(self._load_waiting, "painted")
+
+    def load_when_painted(self, flights: Sequence[Trajectory], time_s: float) -> None:
+        """Show these flights at this time [s] once the browser has painted what it was told before.
+
+        The scene is heavy, and neither curves nor read-outs should wait for it.
+        """
+        self._waiting = flights, time_s
+        self.frame.due += 1
+
+    def _load_waiting(self, event: Any) -> None:
+        if event.new == self.frame.due:
+            flights, time_s = self._waiting
+            self.load(flights)
+            self.show(time_s)
 
     def load(self, flights: Sequence[Trajectory]) -> None:
         """Replace what is shown by these flights."""
         first = not self._flights
         self._flights = flights
         self._build(keep_camera=not first)
-        # Only now: the frame is heavy, and the curves should not wait for it.
         self.frame.address = f"/viser/{self._name}/"
 
     def show(self, time_s: float) -> None:
@@ -120,7 +137,8 @@ class FlightView:
         if not self._flights:
             return
         self._builds += 1
-        mode = "dark" if self.frame.dark else "light"
+        mode = self._mode
+        self.frame.background = hexadecimal(ground(mode).background)
         colours = [POLICY_A, POLICY_B][: len(self._flights)]
         self._scene = build_scene(
             self._server, self._flights, colours, mode, self.frame.overlay, f"/build_{self._builds}"
@@ -135,6 +153,10 @@ class FlightView:
         """What is drawn besides the bodies."""
         return Additions(**{field.name: field.name in self.frame.drawn for field in fields(Additions)})
 
+    @property
+    def _mode(self) -> Mode:
+        return "dark" if self.frame.dark else "light"
+
     def _redraw(self) -> None:
         if self._scene is not None:
             self._scene.paint(self.additions)
@@ -143,13 +165,13 @@ class FlightView:
     def draw_layer(self) -> None:
         """Draw the layer into the present scene, as when it has something new to show."""
         if self._scene is not None and self.layer is not None:
-            mode = "dark" if self.frame.dark else "light"
-            self.layer.build(self._server, self._scene, mode, f"/build_{self._builds}", self.additions)
+            self.layer.build(self._server, self._scene, self._mode, f"/build_{self._builds}", self.additions)
             self.layer.show(self._time_s, self.additions)
 
     async def _photograph(self, event: Any) -> None:
         try:
-            made = {"data": await asyncio.to_thread(photograph, self._server, lambda: self._open)}
+            background = ground(self._mode).background
+            made = {"data": await asyncio.to_thread(photograph, self._server, background, lambda: self._open)}
         except PhotoError as error:
             made = {"problem": f"{error}."}
         self.frame.picture = {"number": event.new, **made}

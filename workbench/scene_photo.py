@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
+from layouts.theme import Rgb
 from sim.errors import SubMasError
 
 if TYPE_CHECKING:
@@ -26,7 +27,10 @@ class PhotoError(SubMasError):
 
 
 def photograph(
-    server: viser.ViserServer, wanted: Callable[[], bool] = lambda: True, patience_s: float = PATIENCE_S
+    server: viser.ViserServer,
+    background: Rgb,
+    wanted: Callable[[], bool] = lambda: True,
+    patience_s: float = PATIENCE_S,
 ) -> bytes:
     """What the browser of a scene shows, as a PNG; waits for the browser, so not on the loop.
 
@@ -34,6 +38,7 @@ def photograph(
 
     Args:
         server: of the scene.
+        background: what shines through where nothing is drawn.
         wanted: asked again and again; once it says no, nobody waits any longer.
         patience_s: longest time to wait.
 
@@ -45,17 +50,18 @@ def photograph(
         clients = server.get_clients()
         if clients:
             try:
-                return _render(clients[max(clients)], left_s)
+                return _render(clients[max(clients)], background, left_s)
             except (RuntimeError, TimeoutError):  # it went away, or could not draw
                 pass
         time.sleep(PAUSE_S)
     raise PhotoError(f"the 3-D view sent no picture within {patience_s:.0f} s; reload the page and try again")
 
 
-def _render(client: viser.ClientHandle, patience_s: float) -> bytes:
+def _render(client: viser.ClientHandle, background: Rgb, patience_s: float) -> bytes:
     height = round(WIDTH / max(client.camera.aspect, 0.5))
-    # viser's PNG has no ground; the loss of its JPEG is not seen.
-    image = client.get_render(height, WIDTH, transport_format="jpeg", timeout=patience_s)
+    drawn = Image.fromarray(client.get_render(height, WIDTH, transport_format="png", timeout=patience_s))
+    image = Image.new("RGBA", drawn.size, background)
+    image.alpha_composite(drawn)
     packed = io.BytesIO()
-    Image.fromarray(image).save(packed, "PNG")
+    image.convert("RGB").save(packed, "PNG")
     return packed.getvalue()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import html
 from dataclasses import replace
 from functools import partial
@@ -59,6 +60,7 @@ class ComparePage:
         self._bars.figures.visible = self._closer.layout.visible = False
         self.layout = self._arrange()
         self._complain(" ".join(problems))
+        pn.state.execute(self._set_out)
         pn.state.onload(self._refresh)
         callback = pn.state.add_periodic_callback(self._tick, TICK_MS)
         pn.state.on_session_destroyed(lambda _session: self._leave(callback))
@@ -111,6 +113,12 @@ class ComparePage:
         self._progress.add(works)
         self._tell()
 
+    async def _set_out(self) -> None:
+        """What flies without being asked sets out while the browser still reads the page."""
+        with contextlib.suppress(SubMasError):  # the page will complain of it
+            _, close = await asyncio.to_thread(self._read, self._settings)
+            self._queue.want(self._unasked(close), soon=True, asker=self)
+
     async def _refresh(self) -> None:
         """Read what is known, and show it."""
         self._request = number = self._request + 1
@@ -147,16 +155,19 @@ class ComparePage:
         self._notes.object = f'<div class="quiet">{notes}</div>' if notes else ""
         write_query(**settings.to_query())
         if not self._held:
-            self._join([work for work in grid.unflown() if self._queue.state(work) in ("waiting", "flying")])
+            missing = dict.fromkeys([*grid.unflown(), *(close.wanted if close else ())])
+            self._join([work for work in missing if self._queue.state(work) in ("waiting", "flying")])
         self._fly_unasked(close)
         self._tell()
 
     def _fly_unasked(self, close: Closely | None) -> None:
+        if new := self._unasked(close):
+            self._want(new, soon=True)
+
+    def _unasked(self, close: Closely | None) -> list[Work]:
         """What is looked at closely flies of its own accord, unless it is long, failed, or was cancelled."""
         wanted = [] if close is None or self._held else close.wanted
-        new = [work for work in wanted if work.episodes <= UNASKED and not self._queue.state(work)]
-        if new:
-            self._want(new, soon=True)
+        return [work for work in wanted if work.episodes <= UNASKED and not self._queue.state(work)]
 
     def _tick(self) -> None:
         over = self._progress.ended()

@@ -37,6 +37,7 @@ from workbench.policies import policy_choices
 from workbench.scenarios import scenario_choices
 
 COLOURS = {"A": POLICY_A, "B": POLICY_B}
+PATIENCE_S = 0.5
 CORNER = {"margin": 0, "width": 30, "height": 30, "sizing_mode": "fixed"}
 SLIM = {
     "py": 0, "alignItems": "center", "& p": {"margin": 0}, "& .MuiAlertTitle-root:empty": {"display": "none"},
@@ -136,9 +137,12 @@ class FlyPage:
     async def _fly(self) -> None:
         self._request = number = self._request + 1
         settings = self._settings
-        self._progress.visible = True
+        flying = asyncio.ensure_future(asyncio.to_thread(fly_both, settings, self._context.store))
         try:
-            flights = await asyncio.to_thread(fly_both, settings, self._context.store)
+            # Most flights are there before anybody could read a sign that they are coming.
+            await asyncio.wait({flying}, timeout=PATIENCE_S)
+            self._progress.visible = not flying.done()
+            flights = await flying
         except SubMasError as error:
             self._refuse(settings, error)
             return
@@ -168,13 +172,7 @@ class FlyPage:
             self._clock.move(start)
         self._stick.show(settings, flown, rows)
         self._write_address()
-        # The scene comes last: it is heavy, and neither curves nor read-outs should wait for it.
-        pn.state.execute(partial(self._show_scene, self._request, pair, start), schedule=True)
-
-    def _show_scene(self, request: int, pair: Pair, start_s: float) -> None:
-        if request == self._request:
-            self._view.load([pair.a, pair.b])
-            self._view.show(start_s)
+        self._view.load_when_painted([pair.a, pair.b], start)
 
     def _refuse(self, settings: FlySettings, error: SubMasError) -> None:
         sentence = str(error)

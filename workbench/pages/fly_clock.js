@@ -5,7 +5,7 @@ const SHAPES = {
   event_back: "M6 5h2.2v14H6zM19 5v14L9.5 12z", step_back: "M15.5 5.5v13L7 12z",
   step_on: "M8.5 5.5v13L17 12z", event_on: "M15.8 5H18v14h-2.2zM5 5v14l9.5-7z",
 }
-const SEND_MS = 30, SETTLE_MS = 400
+const SEND_MS = 30, SETTLE_MS = 400, LOST_MS = 1500, ON_THEIR_WAY = 2
 const STEP_S = 1, LEAP_S = 10, FINE_S = 0.1
 
 const text = (seconds) => {
@@ -40,7 +40,7 @@ export function render({model}) {
   const end = make("span", "end", root)
   const speeds = make("div", "speeds", root, {role: "group", "aria-label": "Playback speed"})
   let time = model.time, playing = model.playing
-  let frame = 0, before = 0, sent = 0, waiting = false, timer = 0, settle = 0
+  let frame = 0, painting = 0, before = 0, sent = 0, unanswered = [], timer = 0, settle = 0
 
   function draw() {
     const share = model.duration > 0 ? time / model.duration : 0
@@ -91,22 +91,31 @@ export function render({model}) {
     put(next ?? (way > 0 ? model.duration : 0))
   }
 
-  // Python answers each time with `shown`; the next one leaves only then, so a slow machine skips instances and never lags behind.
+  // Python answers each time with `shown`. Two may be on their way, so that neither side waits for the other; the next one
+  // leaves only then: a slow machine skips instants and never lags behind.
   function send() {
     clearTimeout(timer)
     const stamp = performance.now()
-    if (waiting && stamp - sent < 1500) { return }
+    if (unanswered.length >= ON_THEIR_WAY && stamp - sent < LOST_MS) { return }
     if (stamp - sent < SEND_MS) { timer = setTimeout(send, SEND_MS - (stamp - sent)); return }
     if (model.time === time) { return }
-    waiting = true
+    if (stamp - sent >= LOST_MS) { unanswered = [] }
+    unanswered.push(time)
     sent = stamp
     model.time = time
   }
 
-  function put(value) {
-    time = Math.min(Math.max(value, 0), model.duration)
+  function paint() {
+    cancelAnimationFrame(painting)
+    painting = 0
     draw()
     window.dispatchEvent(new CustomEvent("flight-time", {detail: {time, playing}}))
+  }
+
+  // A slow machine is moved more often than it draws: the page follows once a frame.
+  function put(value) {
+    time = Math.min(Math.max(value, 0), model.duration)
+    painting ||= requestAnimationFrame(paint)
     send()
     clearTimeout(settle)
     if (!playing) { settle = setTimeout(() => { model.settled = time }, SETTLE_MS) }
@@ -117,6 +126,7 @@ export function render({model}) {
     const passed = Math.min(stamp - before, 250) / 1000
     before = stamp
     put(time + passed * model.speed)
+    paint()
     if (time >= model.duration) { setPlaying(false); return }
     frame = requestAnimationFrame(tick)
   }
@@ -154,13 +164,14 @@ export function render({model}) {
   rail.oninput = () => put(Number(rail.value))
   window.addEventListener("flight-clock", onClock)
   document.addEventListener("keydown", onKey)
-  model.on("shown", () => { waiting = false; send() })
+  model.on("shown", () => { unanswered.splice(0, unanswered.lastIndexOf(model.shown) + 1); send() })
   model.on("jump", () => { setPlaying(false); put(model.jump[0]) })
   model.on("playing", () => { if (model.playing !== playing) { setPlaying(model.playing) } })
   model.on(["duration", "marks"], () => { drawMarks(); put(Math.min(time, model.duration)) })
   model.on("remove", () => {
     playing = false
     cancelAnimationFrame(frame)
+    cancelAnimationFrame(painting)
     clearTimeout(timer)
     clearTimeout(settle)
     window.removeEventListener("flight-clock", onClock)

@@ -7,6 +7,9 @@ function make(tag, name, parent, words = "") {
   return node
 }
 
+// Nobody reads numbers that change faster.
+const READ_MS = 100
+
 // Assigning equal text would still cost a layout.
 function say(node, words) { if (node.textContent !== words) { node.textContent = words } }
 
@@ -93,18 +96,26 @@ function draw({flight, cells, guide, lines, box}, clock) {
 export function render({model}) {
   const root = document.createElement("div")
   root.className = "huds"
-  let tables = [], time = 0
-  const show = () => { for (const one of tables) { draw(one, time) } }
+  let tables = [], time = 0, shown = 0, rest = 0
+  const show = () => {
+    shown = time
+    for (const one of tables) { draw(one, time) }
+  }
   const build = () => {
     root.replaceChildren()
     tables = JSON.parse(model.flights).map((flight) => table(flight, root))
     root.hidden = !model.visible_hud
     show()
   }
-  const onTime = (event) => { time = event.detail.time; show() }
+  const onTime = (event) => {
+    time = event.detail.time
+    if (rest) { return }
+    show()
+    rest = setTimeout(() => { rest = 0; if (shown !== time) { show() } }, READ_MS)
+  }
   window.addEventListener("flight-time", onTime)
   model.on(["flights", "visible_hud"], build)
-  model.on("remove", () => window.removeEventListener("flight-time", onTime))
+  model.on("remove", () => { clearTimeout(rest); window.removeEventListener("flight-time", onTime) })
   build()
   return root
 }

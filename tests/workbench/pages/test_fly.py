@@ -129,12 +129,20 @@ def test_a_blind_policy_is_offered_the_mask_that_works(shown: FlyPage, monkeypat
     assert "missile_6_km" in shown._tabs._charts.pair("range").a.source.column_names
 
 
-def test_curves_come_before_the_scene_which_is_heavy(shown: FlyPage, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_scene_which_is_heavy_waits_until_the_curves_are_painted(
+    shown: FlyPage, monkeypatch: pytest.MonkeyPatch
+) -> None:
     order: list[str] = []
     monkeypatch.setattr(shown._tabs, "show", lambda _pair: order.append("curves"))
     monkeypatch.setattr(shown._view, "load", lambda _flights: order.append("scene"))
-    asyncio.run(shown._fly())
-    assert order == ["curves", "scene"]
+    frame = shown._view.frame
+    for _ in range(2):
+        asyncio.run(shown._fly())
+    assert order == ["curves", "curves"]
+    frame.painted = frame.due - 1  # of flights that others have replaced
+    assert order == ["curves", "curves"]
+    frame.painted = frame.due
+    assert order == ["curves", "curves", "scene"]
 
 
 def test_the_read_outs_and_the_guide_belong_to_the_flights_shown(shown: FlyPage) -> None:
