@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from agents.evaluation import EpisodeResults, evaluate
+from agents.episodes import EpisodeResults
+from agents.evaluation import evaluate
 from agents.evasion import EVASION
 from agents.policy import Policy, bind
 from agents.task import BoolArray, IntArray

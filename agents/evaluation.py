@@ -5,55 +5,20 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from agents.policy import Act, Policy, bind
-from agents.task import (
-    GOAL_REACHED,
-    SUBTASK_SOLVED,
-    BoolArray,
-    Domain,
-    FloatArray,
-    IntArray,
-    SubtaskTask,
-    TaskWorld,
-)
+from agents.episodes import EpisodeResults, Progress, fly_in_parts
+from agents.policy import Policy, bind
+from agents.task import Domain, SubtaskTask
 
-Progress = Callable[[int, int], None]
-"""Called with (episodes done, episodes in all)."""
 MAX_LANES = 1024
 WILSON_Z = 1.959964
 """Two-sided 95 % quantile of the normal distribution."""
-
-
-@dataclass(frozen=True)
-class EpisodeResults:
-    """How every episode of an evaluation went; arrays over N episodes, by episode number."""
-
-    episode: IntArray
-    """Episode numbers: with the seed they fix the initial states."""
-    outcome: IntArray
-    """Ways the episodes ended."""
-    killer: IntArray
-    """Subtask that ended each episode, 0 for none."""
-    episode_return: FloatArray
-    """Sum of the rewards."""
-    steps: IntArray
-    """Decision steps flown."""
-    solved: IntArray
-    """Subtasks solved (missiles evaded)."""
-    closest_m: FloatArray
-    """Smallest distance of any missile [m]; infinite where none was launched, or the domain knows no distance."""
-
-    @property
-    def success(self) -> BoolArray:
-        """Whether each episode reached the final goal `[N]`."""
-        return self.outcome == GOAL_REACHED
 
 
 @dataclass(frozen=True)
@@ -107,6 +72,7 @@ def evaluate(
     *,
     domain: Domain | None = None,
     first_episode: int = 0,
+    threads: int = 1,
 ) -> Evaluation:
     """Fly a policy on a task and count.
 
@@ -119,6 +85,7 @@ def evaluate(
         progress: told how many episodes are done.
         domain: where the task comes from; the paper's domain by default.
         first_episode: number of the first episode.
+        threads: parts in which the episodes are flown at the same time; a policy that draws needs 1 to repeat itself.
 
     Raises:
         PolicyError: the policy cannot see a subtask of the task.
@@ -128,71 +95,14 @@ def evaluate(
         raise ValueError(f"episodes is {episodes}; evaluate at least 1")
     domain = domain or _evasion()
     act = bind(policy, task)
-    world = domain.world(task, min(episodes, lanes or MAX_LANES), seed)
+    shares = [len(share) for share in np.array_split(np.arange(episodes), min(threads, episodes))]
+    worlds = [domain.world(task, min(share, lanes or MAX_LANES), seed) for share in shares]
     started = time.perf_counter()
     # Products of these sizes are too small to share: on a machine that does anything else, threads wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        results = fly_episodes(act, world, first_episode, episodes, progress)
+        results = fly_in_parts(act, worlds, first_episode, shares, progress)
     elapsed_s = time.perf_counter() - started
     return _summary(policy, task, domain, seed, results, elapsed_s)
-
-
-def fly_episodes(
-    act: Act, world: TaskWorld, first_episode: int, episodes: int, progress: Progress | None = None
-) -> EpisodeResults:
-    """Fly exactly these episodes, each once, refilling lanes as they finish.
-
-    Every episode counts, short or long: stopping after the first N to finish would favour short flights.
-    """
-    record = _Record(first_episode, episodes)
-    lane_episode = np.arange(world.lanes)
-    lane_return = np.zeros(world.lanes)
-    observation = world.reset(episodes=first_episode + lane_episode)
-    started = world.lanes
-    active = np.ones(world.lanes, bool)
-    actions = np.zeros((world.lanes, 1), np.float32)
-    while active.any():
-        actions[active] = act(observation[active])
-        step = world.step(actions)
-        observation = step.observation
-        lane_return += step.reward
-        over = active & (step.terminated | step.truncated)
-        if not over.any():
-            continue
-        record.finish(lane_episode[over], over, world, lane_return)
-        lanes = np.flatnonzero(over)
-        refilled, idle = np.split(lanes, [min(len(lanes), episodes - started)])
-        active[idle] = False
-        if len(refilled):
-            lane_episode[refilled] = started + np.arange(len(refilled))
-            started += len(refilled)
-            lane_return[refilled] = 0.0
-            observation = world.reset(lanes=refilled, episodes=first_episode + lane_episode[refilled])
-        if progress is not None:
-            progress(record.done, episodes)
-    return record.results
-
-
-class _Record:
-    """Collects finished episodes by their number."""
-
-    def __init__(self, first_episode: int, episodes: int) -> None:
-        whole = {name: np.zeros(episodes, np.int64) for name in ("outcome", "killer", "steps", "solved")}
-        numbers = first_episode + np.arange(episodes)
-        returns, closest_m = np.zeros(episodes, np.float32), np.full(episodes, np.inf, np.float32)
-        self.results = EpisodeResults(episode=numbers, episode_return=returns, closest_m=closest_m, **whole)
-        self.done = 0
-
-    def finish(self, index: IntArray, over: BoolArray, world: TaskWorld, lane_return: FloatArray) -> None:
-        self.done += len(index)
-        self.results.outcome[index] = world.outcome[over]
-        self.results.killer[index] = world.killer[over]
-        self.results.steps[index] = world.steps[over]
-        self.results.solved[index] = (world.fate[over] == SUBTASK_SOLVED).sum(axis=1)
-        self.results.episode_return[index] = lane_return[over]
-        closest = getattr(world, "closest", None)  # of a domain in which a subtask is something that comes near
-        if closest is not None:
-            self.results.closest_m[index] = closest[over].min(axis=1)
 
 
 def wilson_interval(successes: int, trials: int, z: float = WILSON_Z) -> tuple[float, float]:

@@ -77,7 +77,7 @@ def build_scene(
         overlay: draw all flights on one battlefield.
         root: prefix of all names. viser keeps the place of a name that comes back, so it should be a new one each time.
     """
-    # The background is the page's own: painting it in the scene costs a machine without graphics card a third of a frame.
+    # The background is the page's: without a graphics card, painting it in the scene costs a third of a frame.
     look, field = ground(mode), flights[0].task.scenario.battlefield
     pitch = 0.0 if overlay else field.length_m * KM + GAP_KM
     server.scene.reset()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ STOPS = (SHOT_DOWN, UNDECIDED, SURVIVED)
 """Colours of a share of survivors of 0, 1/2 and 1; those between are mixed of their neighbours."""
 
 
+@cache  # a map has a thousand cells and few shares
 def survival_colour(share: float) -> str:
     """Colour `#rrggbb` of a share of survivors in [0, 1]."""
     channels = np.array([[int(stop[at : at + 2], 16) for at in (1, 3, 5)] for stop in STOPS], dtype=float)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,10 @@ class ObservationLayout:
 
     missiles: tuple[int, ...]
 
-    @cached_property
+    @property
     def names(self) -> tuple[str, ...]:
         """Column names in order, for example `("x", ..., "phi_exit", "r_1", "phi_1")`."""
-        return OWN_NAMES + tuple(f"{kind}_{m}" for m in self.missiles for kind in ("r", "phi"))
+        return _names(self.missiles)
 
     @property
     def size(self) -> int:
@@ -79,3 +79,8 @@ def is_default(masked: NDArray) -> NDArray[np.bool_]:
     """
     default = np.tile(np.asarray(UNLAUNCHED, dtype=np.float32), masked.shape[1] // BLOCK)
     return (masked.astype(np.float32) == default).all(axis=1)
+
+
+@cache  # a policy asks at every step
+def _names(missiles: tuple[int, ...]) -> tuple[str, ...]:
+    return OWN_NAMES + tuple(f"{kind}_{m}" for m in missiles for kind in ("r", "phi"))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
+from agents.episodes import EpisodeResults
 from agents.evaluation import Evaluation, evaluate, wilson_interval
 from agents.expert import DraggingExpert, NavigationExpert, RandomPolicy
 from agents.policy import bind
@@ -90,3 +92,26 @@ def test_nothing_to_evaluate_is_an_error() -> None:
 )
 def test_wilson_intervals_of_a_thousand(successes: int, low: float, high: float) -> None:
     assert wilson_interval(successes, 1000) == (pytest.approx(low, abs=6e-4), pytest.approx(high, abs=6e-4))
+
+
+def test_parts_flown_at_the_same_time_are_the_whole() -> None:
+    told: list[tuple[int, int]] = []
+    task = task_for("default", "2,3,4")
+    whole, parts = (
+        evaluate(
+            DraggingExpert(), task, 23, 4, threads=threads, progress=lambda *done: told.append(done), first_episode=7
+        )
+        for threads in (1, 3)
+    )
+    assert whole.results is not None and parts.results is not None
+    for one in fields(EpisodeResults):
+        np.testing.assert_array_equal(getattr(whole.results, one.name), getattr(parts.results, one.name))
+    assert replace(whole, env_steps_per_s=0.0) == replace(parts, env_steps_per_s=0.0)
+    assert told[-1] == (23, 23)
+    assert all(total == 23 for _, total in told)
+
+
+def test_more_threads_than_episodes_fly_each_once() -> None:
+    results = evaluate(NavigationExpert(), task_for("default", "1,2,3,4"), 2, 1, threads=5).results
+    assert results is not None
+    assert results.episode.tolist() == [0, 1]

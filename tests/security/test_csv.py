@@ -11,7 +11,8 @@ import pytest
 from bokeh.models import CustomAction
 from bokeh.plotting import figure
 
-from agents.evaluation import EpisodeResults, Evaluation
+from agents.episodes import EpisodeResults
+from agents.evaluation import Evaluation
 from layouts.figure_downloads import add_downloads
 from tests.security.hostile import EVERY
 from workbench.comparison.tables import engagements_table, pairs_table

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from agents.evaluation import EpisodeResults, Evaluation
+from agents.episodes import EpisodeResults
+from agents.evaluation import Evaluation
 from workbench.cache_folder import cache_folder, keep_newest
 from workbench.comparison.work import Work
 from workbench.run_files import strict, write_bytes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,9 @@ from sim.scenario import Scenario
 from sim.task import Task
 from sim.world import Fate, Outcome, World
 from workbench.comparison.cache import evaluation_to_json
+from workbench.comparison.closely import repeatable
 from workbench.comparison.work import ComparisonError, Work
+from workbench.launcher import cpu_count
 from workbench.policies import resolve_policy
 from workbench.runs import RunStore
 
@@ -26,6 +29,8 @@ Tell = Callable[[float], None]
 USUAL_SHARE = 0.75
 """Usual length of an engagement as a share of the step limit, for the progress bar alone."""
 NEARLY = 0.99
+PARTS = 4
+"""An evaluation is flown by so many threads at most: what people wait for is one long one, not many."""
 RANGES, ASPECTS = 30, 48
 """Cells of a map of survival, outwards and around."""
 NEAREST_M, BEYOND = 2e3, 1.0
@@ -49,8 +54,9 @@ def do(work: Work, runs: Path, tell: Tell) -> dict[str, Any]:
     policy = resolve_policy(work.policy, store)
     if work.kind == "evaluation":
         watched = Watched(policy, work.episodes * USUAL_SHARE * task.scenario.rules.max_steps, tell)
-        progress = watched.count
-        return evaluation_to_json(evaluate(watched, task, work.episodes, work.seed, progress=progress))
+        threads = min(cpu_count(), PARTS) if repeatable(work.policy) else 1
+        flown = evaluate(watched, task, work.episodes, work.seed, progress=watched.count, threads=threads)
+        return evaluation_to_json(flown)
     if work.kind == "survival":
         return survival(policy, task, work.seed, tell).to_json()
     return {"tracks": tracks(task, bind(policy, task), work.seed, work.numbers)}
@@ -62,12 +68,14 @@ class Watched:
     def __init__(self, policy: Policy, usual_steps: float, tell: Tell) -> None:
         self._policy, self._usual, self._tell = policy, usual_steps, tell
         self._flown, self._finished = 0, 0.0
+        self._lock = threading.Lock()
         self.name, self.layout = policy.name, policy.layout
 
     def act(self, observation: FloatArray, layout: Any) -> FloatArray:
         """What the policy does."""
-        self._flown += len(observation)
-        self._tell(min(max(self._flown / self._usual, self._finished), NEARLY))
+        with self._lock:
+            self._flown += len(observation)
+            self._tell(min(max(self._flown / self._usual, self._finished), NEARLY))
         return self._policy.act(observation, layout)
 
     def count(self, done: int, total: int) -> None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.evaluation import EpisodeResults, Evaluation
+from agents.episodes import EpisodeResults
+from agents.evaluation import Evaluation
 from agents.task import BoolArray, FloatArray
 from sim.world import Outcome
 from workbench.comparison.pairs import episodes_won_alone

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.evaluation import EpisodeResults, Evaluation
+from agents.episodes import EpisodeResults
+from agents.evaluation import Evaluation
 from agents.statistics import Interval, bootstrap
 from agents.task import BoolArray, IntArray
 from workbench.comparison.work import ComparisonError

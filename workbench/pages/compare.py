@@ -27,6 +27,7 @@ from workbench.pages.compare_downloads import CompareDownloads
 from workbench.pages.compare_progress import CompareProgress
 from workbench.pages.compare_settings import CompareSettings, read_settings
 from workbench.pages.compare_words import COMPARE_CSS
+from workbench.pages.one_change import one_change
 from workbench.pages.waiting import waiting
 from workbench.scenarios import scenario_choices
 
@@ -141,6 +142,7 @@ class ComparePage:
         names = self._labels[settings.policy], self._labels[settings.against]
         return grid, look_closely(grid, settings.task, (settings.policy, settings.against), names, cache)
 
+    @one_change()
     def _show(self, settings: CompareSettings, grid: Grid, close: Closely | None) -> None:
         self._grid = grid
         self._waiting.visible, self._bars.figures.visible = False, True

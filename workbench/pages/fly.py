@@ -33,6 +33,7 @@ from workbench.pages.fly_settings import FlySettings, default_settings, keep_sta
 from workbench.pages.fly_stick import FlyStick
 from workbench.pages.fly_stick_view import StickParts
 from workbench.pages.fly_tabs import FlightTabs
+from workbench.pages.one_change import one_change
 from workbench.policies import policy_choices
 from workbench.scenarios import scenario_choices
 
@@ -153,6 +154,7 @@ class FlyPage:
             # Figures may only be changed while the session's document is locked, which it is in a scheduled call.
             pn.state.execute(partial(self._show, settings, flights), schedule=True)
 
+    @one_change()
     def _show(self, settings: FlySettings, flown: Flights) -> None:
         titles = (f"A · {self._labels[settings.a]}", f"B · {self._labels[settings.b]}")
         pair = Pair(flown.a, flown.b, *titles, flown.guide_a, flown.guide_b)

@@ -24,7 +24,7 @@ export function render({model}) {
   const actions = make("span", "actions", root)
   const trash = make("button", "quiet trash", root, {type: "button"})
 
-  search.oninput = () => { model.text = search.value }  // Panel waits 50 ms for more before it tells Python
+  search.oninput = () => { model.text = search.value }
   group.onchange = () => { model.group = group.value }
   clear.onclick = () => { search.value = ""; model.text = ""; model.chosen = {}; draw() }
   trash.onclick = () => { model.trash = !model.trash; draw() }

@@ -30,6 +30,8 @@ class RunsBar(JSComponent):
     asked = param.List(default=["", 0], doc="what a button asked for, and a count; set by the browser")
     visited = param.List(default=["", 0], doc="the address gone back or forward to, and a count; set by the browser")
 
+    _debounce: ClassVar[int] = 0
+    """Panel gathers changes for 50 ms before it tells of them: as long as a search takes."""
     _esm = Path(__file__).with_suffix(".js")
     _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
 

@@ -10,7 +10,8 @@ import json
 import numpy as np
 import pytest
 
-from agents.evaluation import EpisodeResults, evaluate
+from agents.episodes import EpisodeResults
+from agents.evaluation import evaluate
 from agents.policy import bind
 from sim.task import task_for
 from sim.trajectory import fly

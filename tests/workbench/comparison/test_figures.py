@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.evaluation import EpisodeResults, Evaluation, wilson_interval
+from agents.episodes import EpisodeResults
+from agents.evaluation import Evaluation, wilson_interval
 from sim.task import Task, task_for
 from workbench.comparison.figures import flown_figures, shipped_figures, shipped_set
 from workbench.comparison.gallery import SHOWN, strips
