@@ -24,16 +24,9 @@ function isDark() {
   return red + green + blue < 384
 }
 
-// What draws 3-D here: the words of the graphics card's driver, or null without WebGL 2.
-function renderer() {
-  try {
-    const gl = document.createElement("canvas").getContext("webgl2")
-    return gl && String(gl.getParameter(gl.getExtension("WEBGL_debug_renderer_info")?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER))
-  } catch { return null }
+function hasWebgl() {
+  try { return document.createElement("canvas").getContext("webgl2") !== null } catch { return false }
 }
-
-// The processor's own pixels are dear: viser would come down to this share by itself, after seconds of stutter.
-const SOFTWARE = /swiftshader|llvmpipe|software|basic render/i, COARSE = 0.75
 
 export function render({model}) {
   const root = document.createElement("div")
@@ -41,8 +34,7 @@ export function render({model}) {
   const cover = document.createElement("div")
   cover.className = "cover"
   cover.textContent = "Opening the 3-D replay …"
-  const driver = renderer()
-  if (driver === null) {
+  if (!hasWebgl()) {
     cover.textContent = "This browser offers no WebGL 2, so the 3-D replay cannot be drawn. The map and the curves below work without it."
     cover.classList.add("problem")
     root.append(cover)
@@ -50,12 +42,8 @@ export function render({model}) {
   }
   const frame = document.createElement("iframe")
   frame.title = "3-D replay of both flights"
-  const open = () => {
-    const coarse = SOFTWARE.test(driver) ? `?fixedDpr=${COARSE * devicePixelRatio}` : ""
-    if (model.address) { frame.src = model.address + coarse }
-  }
-  open()
-  model.on("address", open)
+  if (model.address) { frame.src = model.address }
+  model.on("address", () => { frame.src = model.address })
   const bar = document.createElement("div")
   bar.className = "bar"
   bar.setAttribute("role", "group")
@@ -82,7 +70,7 @@ export function render({model}) {
       page.head.append(style)
       hold(page)
     }
-    const rules = `${HIDE} body { background: ${model.background || "transparent"} !important }`
+    const rules = `${HIDE} body, #root div[style*="background-color"] { background: ${model.ground || "transparent"} !important }`
     if (style.textContent !== rules) { style.textContent = rules }
   }
 
@@ -184,7 +172,7 @@ export function render({model}) {
 
   document.addEventListener("keydown", onKey)
   model.on("remove", () => document.removeEventListener("keydown", onKey))
-  model.on("background", hide)
+  model.on("ground", hide)
   model.on("due", tellWhenPainted)
   if (model.due > model.painted) { tellWhenPainted() }
   model.on(["camera", "overlay", "branch", "drawn"], drawBar)

@@ -62,7 +62,7 @@ class FlightFrame(JSComponent):
     overlay = param.Boolean(default=False, doc="both flights on one battlefield; set by the browser")
     branch = param.Boolean(default=False, doc="whether there is a branch to follow")
     dark = param.Boolean(default=True, doc="whether the page is dark; set by the browser")
-    background = param.String(doc="colour behind the scene, #rrggbb")
+    ground = param.String(doc="colour behind the scene, #rrggbb")
     due = param.Integer(default=0, doc="counts flights whose scene waits until the page is painted")
     painted = param.Integer(default=0, doc="the last of them after which the page was painted; set by the browser")
     photo = param.Integer(default=0, doc="counts pictures asked for; set by the browser")
@@ -138,7 +138,7 @@ class FlightView:
             return
         self._builds += 1
         mode = self._mode
-        self.frame.background = hexadecimal(ground(mode).background)
+        self.frame.ground = hexadecimal(ground(mode).background)
         colours = [POLICY_A, POLICY_B][: len(self._flights)]
         self._scene = build_scene(
             self._server, self._flights, colours, mode, self.frame.overlay, f"/build_{self._builds}"

@@ -6,6 +6,7 @@ import re
 
 from playwright.sync_api import Page, expect
 
+from layouts.theme import ground
 from tests.browser.places import box_of
 from tests.conftest import Served
 
@@ -33,6 +34,18 @@ def test_both_flights_are_told_of_and_drawn_as_wished(visitor: Page, served: Ser
     visitor.mouse.up()
     expect(visitor.get_by_role("button", name="Free", exact=True)).to_have_attribute("aria-pressed", "true")
     expect(visitor).to_have_url(re.compile("camera=free.*eye=-?[0-9]"), timeout=SLOW_MS)
+
+
+def test_the_scene_stands_on_the_ground_of_a_light_page(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?theme=default")
+    expect(visitor.locator(".cover.gone")).to_have_count(1, timeout=SLOW_MS)
+    scene = next(frame for frame in visitor.frames if "/viser/" in frame.url)
+    behind = scene.locator("canvas").last.evaluate("""canvas => {
+      const colours = []
+      for (let at = canvas; at; at = at.parentElement) { colours.push(getComputedStyle(at).backgroundColor) }
+      return colours.find(colour => colour !== "rgba(0, 0, 0, 0)")
+    }""")
+    assert behind == "rgb({}, {}, {})".format(*ground("light").background)  # viser's own is dark
 
 
 def test_an_event_moves_the_clock_and_the_address(visitor: Page, served: Served) -> None:

@@ -15,7 +15,7 @@ class Mutant:
     """One fault, as one replacement in one file."""
 
     bar: str
-    """The bar of docs/reliability.md (R…) or docs/security.md (S…) that it breaks."""
+    """The bar of docs/reliability.md (R…), docs/security.md (S…) or docs/cluster.md (C…) that it breaks."""
     fault: str
     """What is broken, in one sentence."""
     file: str
