@@ -169,4 +169,4 @@ def current_policy(stage: Stage, state: BaselineState) -> NetworkPolicy:
 
 def baseline_row(stage: Stage, state: BaselineState, evaluation: Evaluation | None) -> dict[str, Any]:
     """The metrics row of an epoch with the columns of `epoch_row`; what concerns a guide is None."""
-    return {**epoch_row(stage, state.reported, evaluation), "transfer_share": None}
+    return {**epoch_row(stage, state.reported, evaluation), "transfer_share": None, "guide_share": None}

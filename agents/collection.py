@@ -39,6 +39,7 @@ class Collector:
         state.replay.add(state.features, action / self.limit, step.reward, imitation, step.terminated, over, features)
         state.lane_return = state.lane_return + step.reward
         state.counts.transfer_allowed += int(allowed.sum())
+        state.counts.guided += int((state.reused & allowed).sum())
         state.counts.steps += len(action)
         state.env_steps += len(action)
         state.observation, state.features = step.observation, features

@@ -23,6 +23,7 @@ def epoch_row(stage: Stage, state: TrainingState, evaluation: Evaluation | None)
         "length_mean_s": evaluation.mean_length_s if evaluation else None,
         **_training_episodes(state),
         "transfer_share": state.counts.transfer_allowed / max(state.counts.steps, 1),
+        "guide_share": state.counts.guided / max(state.counts.steps, 1),
         **_losses(state),
         **_speed(stage, state),
     }

@@ -38,6 +38,8 @@ class EpochCounts:
     updates: int = 0
     transfer_allowed: int = 0
     """Lane-steps in which the transfer mask allowed transfer."""
+    guided: int = 0
+    """Lane-steps that the guide flew: reuse was drawn, and transfer allowed."""
     started: float = field(default_factory=time.perf_counter)
 
 

@@ -76,8 +76,8 @@ PANELS = (
                 "transfer (Eq. 13)", 1, share=True,
             ),
             LearningCurve(
-                "guide_share", "guide flies", missile_colour(4), "share of steps flown by the guide, expected: ε times "
-                "the share in which transfer was allowed (Eq. 18)", 1, share=True,
+                "guide_share", "guide flies", missile_colour(4), "share of steps flown by the guide (Eq. 18); in old "
+                "runs as expected, ε times the share in which transfer was allowed", 1, share=True,
             ),
         ),
         rate=True,

@@ -36,6 +36,7 @@ def collect(stack: Stack, hyper: Hyperparameters) -> list[list[FinishedEpisode]]
     lanes.episode_return += step.reward
     lanes.episode_steps += 1
     lanes.allowed += allowed.sum(dim=1)
+    lanes.guided += (lanes.reused & allowed).sum(dim=1)
     lanes.steps += 1
     lanes.observation.copy_(step.observation)
     lanes.features.copy_(features)

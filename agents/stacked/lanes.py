@@ -42,6 +42,8 @@ class Lanes:
     """1 for the flags of the subtasks that every agent's guide does not know `[S, f]`, Eq. (13)."""
     allowed: Tensor
     """Lane-steps of the epoch in which transfer was allowed, by agent `[S]`."""
+    guided: Tensor
+    """Lane-steps of the epoch that the guide flew, by agent `[S]`."""
 
     @classmethod
     def empty(cls, agents: int, lanes: int, columns: int, features: int, device: torch.device) -> Lanes:
@@ -65,6 +67,7 @@ class Lanes:
             epsilon=zeros(agents),
             fresh=zeros(agents, features),
             allowed=zeros(agents, kind=torch.int64),
+            guided=zeros(agents, kind=torch.int64),
         )
 
     def clear(self, agent: int) -> None:

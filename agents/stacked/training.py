@@ -99,9 +99,11 @@ class StackedTraining:
         while steps < self.hyper.steps_per_epoch and self.agents:
             steps += self.step()
             self._dismiss()
-        for agent, allowed in zip(self.agents, self.stack.lanes.allowed.tolist(), strict=True):
-            agent.state.counts.transfer_allowed = allowed
-        self.stack.lanes.allowed.zero_()
+        lanes = self.stack.lanes
+        for agent, allowed, guided in zip(self.agents, lanes.allowed.tolist(), lanes.guided.tolist(), strict=True):
+            agent.state.counts.transfer_allowed, agent.state.counts.guided = allowed, guided
+        lanes.allowed.zero_()
+        lanes.guided.zero_()
 
     def step(self) -> int:
         """One step of all lanes and the updates that follow it; the number of transitions of each agent."""

@@ -101,7 +101,7 @@ def test_rows_have_the_columns_of_our_own_learner(variant: str) -> None:
     recording, ours = small(variant), small("td3", epochs=1).rows[0]
     assert [set(row) for row in recording.rows] == [set(ours)] * 2
     first, last = recording.rows
-    absent = ("alpha", "epsilon", "beta", "transfer_share", "q_mean")
+    absent = ("alpha", "epsilon", "beta", "transfer_share", "guide_share", "q_mean")
     assert all(row[name] is None for row in recording.rows for name in absent)
     assert all(type(value) in (int, float, str, list, type(None)) for value in last.values())
     assert (first["env_steps"], last["env_steps"], last["epoch"], last["epochs"]) == (200, 400, 2, 2)

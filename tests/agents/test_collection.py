@@ -71,6 +71,14 @@ def test_epsilon_zero_collects_with_the_policy_in_training_alone() -> None:
         torch.testing.assert_close(batch.action, state.learner.actor(batch.features))
 
 
+def test_the_steps_that_the_guide_flew_are_counted() -> None:
+    _, state, batch = _collect(Clock(), 40, action_noise=0.0, epsilon_start=0.3)
+    # The guide never turns, and the policy in training, which nothing has moved yet, always does a little.
+    assert state.counts.guided == int((batch.action == 0.0).sum())
+    assert state.counts.guided / state.counts.steps == pytest.approx(0.3, abs=0.06)
+    assert state.counts.transfer_allowed == state.counts.steps
+
+
 def test_actions_stay_within_the_limit() -> None:
     _, _, batch = _collect(Clock(), 20, action_noise=2.0)
     assert batch.action.abs().max() <= 1.0

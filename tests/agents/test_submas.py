@@ -92,6 +92,7 @@ def test_without_the_transfer_mask_the_same_training_fails(monkeypatch: pytest.M
     monkeypatch.setattr(TransferMask, "allowed", lambda _mask, observation: np.ones(len(observation), bool))
     policy, recording = _train(NavigationExpert())
     assert {row["transfer_share"] for row in recording.rows} == {1.0}
+    assert recording.rows[0]["guide_share"] == pytest.approx(recording.rows[0]["epsilon"], abs=0.15)
     assert evaluate(policy, RobotTask(), 200, 9, domain=POINT_ROBOT).success_rate < 0.5
 
 
@@ -101,6 +102,7 @@ def test_a_single_stage_trains_one_task() -> None:
     policy = train(config, recording, NavigationExpert(), domain=POINT_ROBOT, hyperparameters=HYPER)
     assert policy.name == "wo-pd-source-1"
     assert {row["alpha"] for row in recording.rows} == {0.0}
+    assert all(0.0 < row["guide_share"] <= row["transfer_share"] for row in recording.rows[:1])
     card = recording.policies[-1][1]
     assert card.command == "workbench train --missiles 1 --variant wo-pd --profile fast --seeds 2"
 
@@ -112,7 +114,8 @@ def test_rows_hold_the_agreed_keys_and_plain_values() -> None:
     assert set(row) == {
         "stage", "stages", "task", "missiles", "epoch", "epochs", "env_steps", "updates", "alpha", "epsilon", "beta",
         "return_mean", "success_rate", "train_success_rate", "train_return_mean", "length_mean_s", "transfer_share",
-        "critic_loss", "actor_loss", "q_mean", "updates_per_s", "env_steps_per_s", "wall_s", "cpu_s", "eta_s",
+        "guide_share", "critic_loss", "actor_loss", "q_mean", "updates_per_s", "env_steps_per_s", "wall_s", "cpu_s",
+        "eta_s",
     }  # fmt: skip
     assert all(type(value) in (int, float, str, list, type(None)) for value in row.values())
     assert row["env_steps"] == 200 and 0.0 <= row["transfer_share"] <= 1.0

@@ -57,6 +57,7 @@ CLUSTER: Final = (
         "            self._send_checkpoints(manifests)\n",
         "            pass\n",
         KILLED,
+        hangs=True,
     ),
     mutant(
         "C1",
@@ -162,8 +163,8 @@ CLUSTER: Final = (
         "C4",
         "all agents distil with the first one's α",
         STACKED,
-        "            rewards = (batch.reward + alpha[:, None] * batch.imitation)[..., None]\n",
-        "            rewards = (batch.reward + alpha[:1, None] * batch.imitation)[..., None]\n",
+        "torch.stack((ones, alpha), dim=1)",
+        "torch.stack((ones, alpha[:1].expand_as(alpha)), dim=1)",
         TOGETHER + "test_alpha_is_each_agents_own",
     ),
     mutant(

@@ -75,10 +75,13 @@ class RunWatch:
 
 
 def guide_share(row: Mapping[str, Any]) -> float:
-    """Share of an epoch's steps that the guide is expected to have flown, 0..1: ε by the share with transfer (Eq. 18).
+    """Share of an epoch's steps that the guide flew, 0..1 (Eq. 18); NaN where it was not measured.
 
-    The draw of ε does not look at the state, so both are independent; NaN where either was not measured.
+    Trainings of earlier versions did not count it. There it is what is to be expected: ε by the share with transfer, as
+    the draw of ε does not look at the state.
     """
+    if "guide_share" in row:
+        return _number(row["guide_share"])
     return _number(row.get("epsilon")) * _number(row.get("transfer_share"))
 
 

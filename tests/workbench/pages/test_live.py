@@ -327,6 +327,8 @@ def test_smoothing_does_not_reach_over_stages_and_keeps_gaps(app: AppContext) ->
 def test_the_guide_flies_where_it_is_drawn_and_allowed() -> None:
     assert guide_share(ROW) == pytest.approx(0.37)
     assert math.isnan(guide_share({"epsilon": None, "transfer_share": 0.5}))
+    assert guide_share({**ROW, "guide_share": 0.25}) == 0.25  # counted
+    assert math.isnan(guide_share({**ROW, "guide_share": None}))  # of a learner without a guide
 
 
 @pytest.mark.parametrize(
