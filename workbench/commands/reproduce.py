@@ -44,6 +44,8 @@ class Args:
     """How many of each of TD3, SAC and PPO, which take longest (default: as --seeds)."""
     episodes: int = 1000
     """Episodes behind every number."""
+    finished_only: bool = False
+    """Train nothing: evaluate the trainings that have finished, and tell which are missing."""
     where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
     """Where trainings work; what is trained is evaluated on this machine."""
     out: Path | None = None
@@ -66,7 +68,7 @@ def run(args: Args) -> int:
     fly = _fly if any(plan.item == "fig12" for plan in plans) else nothing_to_fly
     store = RunStore(args.runs)
     with open_engine(args.where, store) as engine:
-        report = Session(plans, store, folder, fly, engine).run(Watch())
+        report = Session(plans, store, folder, fly, engine, args.finished_only).run(Watch())
     files = written(report.results, folder)
     if args.json:
         _print_json(report, files)

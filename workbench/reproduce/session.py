@@ -51,17 +51,18 @@ class Session:
 
     def __init__(
         self, plans: Sequence[Plan], store: RunStore, folder: Path, fly: Fly = nothing_to_fly,
-        engine: Engine | None = None,
+        engine: Engine | None = None, finished_only: bool = False,
     ) -> None:  # fmt: skip
         """Result sets go to `folder`; `fly` makes the engagements of Fig. 10 to 12, and tells how far it is.
 
-        Trainings are the business of `engine`, by default of this machine's processes.
+        Trainings are the business of `engine`, by default of this machine's processes; with `finished_only` none is
+        started or waited for, and the result sets hold what is there.
         """
         self._engine = engine or LocalEngine(store)
         self._plans, self._store, self._folder, self._fly = plans, store, folder, fly
         self._flown = NOTHING_FLOWN
         self._origin = provenance()
-        self._trainings = Trainings(plans, store, self._engine, self._origin.scenario_digest)
+        self._trainings = Trainings(plans, store, self._engine, self._origin.scenario_digest, finished_only)
         self._measurements = Measurements(plans, store.root, known_figures(folder, self._origin))
 
     def run(self, watch: Watch) -> Report:

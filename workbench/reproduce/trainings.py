@@ -21,12 +21,16 @@ HALTED = ("interrupted", "paused", "stopped")
 class Trainings:
     """Every training that some plans ask for, each once."""
 
-    def __init__(self, plans: Sequence[Plan], store: RunStore, engine: Engine, scenario_digest: str) -> None:
+    def __init__(
+        self, plans: Sequence[Plan], store: RunStore, engine: Engine, scenario_digest: str, finished_only: bool = False
+    ) -> None:
+        """With `finished_only` those that have finished are found, and nothing is started or waited for."""
         self.configs = {training_key(config): config for plan in plans for config in plan.trainings}
         self.ended: dict[Key, Ended] = {}
         self.alive: dict[Key, Run] = {}
         """Queued or running."""
         self._store, self._engine = store, engine
+        self._finished_only, self._looked = finished_only, False
         self._scenario_digest = scenario_digest
         self._halted: dict[Key, Run] = {}
         """Interrupted, paused or stopped: these go on where they were."""
@@ -40,8 +44,8 @@ class Trainings:
 
     @property
     def done(self) -> bool:
-        """Whether all have ended."""
-        return len(self.ended) == len(self.configs)
+        """Whether nothing more is to be expected."""
+        return len(self.ended) == len(self.configs) or (self._finished_only and self._looked)
 
     def busy(self) -> int:
         """Trainings of this runs folder that work or wait, also those of nobody's plan."""
@@ -52,6 +56,9 @@ class Trainings:
         if self.done:
             return []
         runs = matching_runs(self._store, self.missing + list(self.alive), self._scenario_digest)
+        self._looked = True
+        if self._finished_only:
+            return list(self._settle(runs))
         self.alive = {key: run for key, run in runs.items() if run.state.active}
         self._followed |= {key: run.id for key, run in self.alive.items()}
         self._halted = {key: run for key, run in runs.items() if run.state.state in HALTED}

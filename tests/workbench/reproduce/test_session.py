@@ -22,6 +22,7 @@ from workbench.reproduce.plan import make_plan, training_of
 from workbench.reproduce.protocol import Item
 from workbench.reproduce.result_file import load
 from workbench.reproduce.result_set import ResultSet
+from workbench.reproduce.scorecard import complete
 from workbench.reproduce.seed_counts import SeedCounts
 from workbench.reproduce.session import BusyError, Report, Session
 from workbench.reproduce.watch import Standing, Watch
@@ -172,6 +173,23 @@ def test_after_ctrl_c_trainings_go_on_nothing_is_started_and_the_same_command_pi
     assert runs < {run.id for run in store.list()}
     assert len(store.list()) == 3
     assert len(written(store).numbers) == 3
+
+
+def test_what_has_finished_is_evaluated_and_nothing_is_trained_or_waited_for_if_wished(store: RunStore) -> None:
+    reproduce(store, seeds=1)
+    runs = {run.id: run.state for run in store.list()}
+    waiting = store.create(training_of("submas", "smoke", 1))
+    plan = make_plan("fig9", "smoke", SeedCounts.each(2), 100)
+    watch = Quiet()
+    report = Session([plan], store, store.root / "results", finished_only=True).run(watch)
+    assert not report.failures and not report.interrupted
+    assert {run.id for run in store.list()} == {*runs, waiting.id} and waiting.state.state == "queued"
+    result = written(store)
+    finished = {run.config.variant for run in store.list() if run.state.state == "finished"}
+    assert {(one.variant, one.seed) for one in result.trainings} == {(variant, 0) for variant in finished}
+    assert "submas" in finished
+    assert result.asked_for("submas") == 2 and not complete(result)
+    assert {number.seed for number in result.numbers} == {0}
 
 
 def test_a_training_that_somebody_else_runs_is_waited_for(store: RunStore) -> None:
