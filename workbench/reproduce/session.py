@@ -13,8 +13,9 @@ from workbench.launcher import cpu_count
 from workbench.reproduce.assembly import NOTHING_FLOWN, Flown, assemble
 from workbench.reproduce.eta import left_s, training_s
 from workbench.reproduce.job import BusyError, Job, JobFile, kind_of, working
+from workbench.reproduce.matching import training_key
 from workbench.reproduce.measurements import Measurements, known_figures
-from workbench.reproduce.plan import Plan
+from workbench.reproduce.plan import Plan, training_of
 from workbench.reproduce.provenance import provenance
 from workbench.reproduce.result_file import save
 from workbench.reproduce.result_set import ResultSet
@@ -134,9 +135,9 @@ class Session:
         trainings, measurements = self._trainings, self._measurements
         running = list(trainings.alive.values())
         known = sum(len(list(measurements.known(plan, trainings.ended))) for plan in self._plans)
-        wanted = sum(len(plan.wanted) for plan in self._plans)
+        wanted = sum(self._to_fly(plan) for plan in self._plans)
         earlier = self._store.list() if trainings.configs else []
-        needs = [training_s(trainings.configs[key], earlier) for key in trainings.missing]
+        needs = [training_s(trainings.configs[key], earlier) for key in trainings.to_come]
         for run in running:
             state = run.state
             guess = training_s(run.config, earlier) * (1.0 - state.progress)
@@ -145,6 +146,14 @@ class Session:
         side_by_side = 1 if needs else cpu_count()
         left = left_s(needs, self._engine.at_once(), (wanted - known) * measurements.typical_s / side_by_side)
         return Standing(len(trainings.ended), len(trainings.configs), known, wanted, left, running)
+
+    def _to_fly(self, plan: Plan) -> int:
+        """Evaluations of a plan, without those of trainings that this session leaves out."""
+        never = set(self._trainings.missing) - set(self._trainings.to_come)
+        return sum(
+            one.seed is None or training_key(training_of(one.variant, plan.profile, one.seed)) not in never
+            for one in plan.wanted
+        )
 
     def _farewell(self) -> str:
         alive = list(self._trainings.alive.values())

@@ -43,6 +43,11 @@ class Trainings:
         return [key for key in self.configs if key not in self.ended and key not in self.alive]
 
     @property
+    def to_come(self) -> list[Key]:
+        """Those of them that this session will train."""
+        return [] if self._finished_only else self.missing
+
+    @property
     def done(self) -> bool:
         """Whether nothing more is to be expected."""
         return len(self.ended) == len(self.configs) or (self._finished_only and self._looked)

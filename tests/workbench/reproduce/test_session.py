@@ -189,6 +189,7 @@ def test_what_has_finished_is_evaluated_and_nothing_is_trained_or_waited_for_if_
     assert {(one.variant, one.seed) for one in result.trainings} == {(variant, 0) for variant in finished}
     assert "submas" in finished
     assert result.asked_for("submas") == 2 and not complete(result)
+    assert watch.standings[-1].left_s == 0.0, "nobody waits for what is not trained"
     assert {number.seed for number in result.numbers} == {0}
 
 
@@ -224,7 +225,7 @@ def test_cores_are_not_overbooked(store: RunStore, monkeypatch: pytest.MonkeyPat
         monkeypatch.setattr(module, "cpu_count", lambda: 2)
     watch = Quiet()
     reproduce(store, seeds=2, watch=watch)
-    assert max(len(standing.running) for standing in watch.standings) == 2
+    assert max(len(standing.running) for standing in watch.standings) <= 2
     assert len(store.list()) == 6
     assert [standing.trained for standing in watch.standings] == sorted(s.trained for s in watch.standings)
     assert watch.standings[0].left_s > 0.0
