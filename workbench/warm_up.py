@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 import importlib
 import logging
 import time
@@ -29,8 +30,18 @@ def warm_up(context: AppContext, later_s: float = LATER_S) -> None:
 
     Whatever fails is only logged: the page that needs it will say so to the person.
     """
+    contextvars.copy_context().run(_warm_up, context, later_s)
+
+
+def _warm_up(context: AppContext, later_s: float) -> None:
+    import panel as pn
+    from bokeh.document import Document
+
     from workbench.viewer_files import ensure_viewer
 
+    # Else this thread would see the document of whichever page the server is busy with, and Panel would take components
+    # that are loaded meanwhile for that page's own: the next page with one of them would stay empty.
+    pn.state.curdoc = Document()
     try:
         _load(FIRST)
         _fly_a_step()

@@ -5,8 +5,14 @@ from __future__ import annotations
 import logging
 import subprocess
 import sys
+import threading
+from pathlib import Path
+from types import SimpleNamespace
 
+import panel as pn
 import pytest
+from bokeh.document import Document
+from bokeh.io.doc import patch_curdoc
 
 from workbench import warm_up as module
 from workbench.launcher import environment
@@ -39,3 +45,25 @@ def test_a_failure_is_logged_and_no_more(monkeypatch: pytest.MonkeyPatch, caplog
     with caplog.at_level(logging.WARNING):
         module.warm_up(None, later_s=0.0)  # type: ignore[arg-type]
     assert "no_such_module" in caplog.text
+
+
+def test_components_loaded_while_a_page_is_busy_are_every_pages(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Panel tells of a component's data only the page that was busy when its class was made, if there was one."""
+    (tmp_path / "lately_loaded.py").write_text(
+        "import threading\nfrom panel.custom import JSComponent\n"
+        "class Late(JSComponent):\n    _esm = 'export function render() {}'\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(module, "FIRST", ("lately_loaded",))
+    monkeypatch.setattr(module, "_fly_a_step", lambda: (_ for _ in ()).throw(RuntimeError("enough")))
+    busy = Document()
+    busy._session_context = lambda: SimpleNamespace()  # type: ignore[assignment]
+    monkeypatch.setitem(pn.state._connected, busy, True)
+    thread = threading.Thread(target=module.warm_up, args=(None,))
+    with patch_curdoc(busy):
+        assert pn.state.curdoc is busy, "the page that the server is busy with"
+        thread.start()
+        thread.join(30)
+    assert sys.modules["lately_loaded"].Late._data_model__initialized
