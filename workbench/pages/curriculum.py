@@ -24,7 +24,6 @@ from workbench.pages.curriculum_missiles import MissilePictures
 from workbench.pages.curriculum_runs import LaunchedRuns
 from workbench.pages.curriculum_set import listed
 from workbench.pages.fly_settings import read_scenario
-from workbench.pages.one_change import one_change
 from workbench.policies import EXPERTS, SHIPPED_LABELS, shipped_success
 from workbench.runs import Run
 from workbench.scenarios import DEFAULT, scenario_choices
@@ -119,7 +118,6 @@ class CurriculumPage:
         """Missiles of the chosen task in the order they are met."""
         return [missile for missile in self._met if missile not in self._pictures.masked]
 
-    @one_change()
     def _show(self, _event: object = None) -> None:
         task = self._task
         self._cards["task"].object = task_card(task)

@@ -26,7 +26,6 @@ from workbench.pages.live_layout import LiveLayout, nothing
 from workbench.pages.live_list import LiveList
 from workbench.pages.live_settings import MOST_BESIDE, LiveSettings, read_settings
 from workbench.pages.live_view import LiveView
-from workbench.pages.one_change import one_change
 from workbench.pages.runs_follow import Follower
 from workbench.runs import Run, RunStore
 
@@ -162,7 +161,6 @@ class LivePage:
             # Figures may only be changed while the session's document is locked, which it is in a scheduled call.
             pn.state.execute(partial(self._show, found), schedule=True)
 
-    @one_change()
     def _show(self, found: LiveLook) -> None:
         if self.settings != found.settings:
             self.settings = found.settings

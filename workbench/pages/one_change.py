@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import panel as pn
+from panel.io import hold
 
 
 @contextmanager
@@ -20,7 +21,8 @@ def one_change() -> Iterator[None]:
         yield
         return
     problem = None
-    with document.models.freeze():  # which would stay frozen after an error
+    # Held back, or a model would be told of as it was when it came, and what is changed of it afterwards would be lost.
+    with document.models.freeze(), hold(document):  # frozen it would stay after an error
         try:
             yield
         except BaseException as error:

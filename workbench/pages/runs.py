@@ -16,7 +16,6 @@ import panel_material_ui as pmui
 from layouts.run_curves import RUN_INKS
 from workbench.context import AppContext
 from workbench.pages.address import read_query, write_query
-from workbench.pages.one_change import one_change
 from workbench.pages.runs_actions import RunsActions
 from workbench.pages.runs_bar import RunsBar
 from workbench.pages.runs_below import RunsBelow
@@ -77,7 +76,6 @@ class RunsPage:
         self.table.param.watch(self._scroll, "first")
         self.table.param.watch(lambda event: self._mark(*event.new[:2]), "asked")
 
-    @one_change()
     def _furnish(self) -> None:
         """Add what stands below the table, once the table stands."""
         self.below = RunsBelow(self.settings, self._actions, self._change, self._act, self._write)
@@ -215,7 +213,6 @@ class RunsPage:
         if settings == self.settings:
             write_query(**settings.to_query())
 
-    @one_change()
     def _take(self) -> None:
         """Everything that follows from the settings and the list, in one go."""
         settings, listed = self.settings, self._listed

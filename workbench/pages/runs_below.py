@@ -12,7 +12,6 @@ import panel as pn
 import panel_material_ui as pmui
 
 from layouts.run_difference import DIFFERENCE_CSS
-from workbench.pages.one_change import one_change
 from workbench.pages.runs_actions import RunsActions
 from workbench.pages.runs_curves import RunsCurves
 from workbench.pages.runs_detail import RunsDetail
@@ -52,7 +51,6 @@ class RunsBelow:
             self.detail.pin.label = "Unpin" if settings.baseline == settings.run else "Pin as baseline"
             self.detail.show(listed.record, listed.run, listed.missing)
 
-    @one_change()
     def show(self, settings: RunsSettings, more: RunsMore) -> None:
         """Show what took longer."""
         self.curves.show(settings, more.drawing)
