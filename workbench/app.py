@@ -17,6 +17,7 @@ from layouts import theme
 from sim.errors import SubMasError
 from workbench.connection_bar import connection_bar
 from workbench.context import AppContext
+from workbench.file_routes import native_import
 from workbench.history_steps import history_steps
 from workbench.navigation import Navigation
 from workbench.tour import tour
@@ -41,7 +42,8 @@ log = logging.getLogger(__name__)
 
 def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
     """One application per page, by its address, for Panel's server."""
-    pn.extension(notifications=True, reconnect=True, sizing_mode="stretch_width")
+    scripts = {"native_import": native_import()}
+    pn.extension(notifications=True, reconnect=True, sizing_mode="stretch_width", js_files=scripts)
     pn.config.exception_handler = _show_problem
     # Panel calls plain functions once per session; a functools.partial it would print.
     return {name: lambda name=name: framed(context, name) for name in PAGES}

@@ -1,4 +1,4 @@
-"""Files that the server hands out: the Rerun viewer under `/rerun/`, recordings under `/rrd/`, and `/healthz`.
+"""Files that the server hands out: the Rerun viewer under `/rerun/`, recordings under `/rrd/`, a script, `/healthz`.
 
 Names are matched, never joined: the viewer's files are a fixed list, a recording is one name inside the cache.
 """
@@ -6,8 +6,10 @@ Names are matched, never joined: the viewer's files are a fixed list, a recordin
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import mimetypes
 import os
+import re
 from pathlib import Path
 
 from tornado.web import HTTPError, RequestHandler, StaticFileHandler
@@ -16,6 +18,8 @@ from workbench.guard import VIEWER_CSP
 from workbench.viewer_files import FILES, ensure_viewer
 
 Route = tuple[str, type[RequestHandler], dict[str, object]]
+HERE = Path(__file__).parent
+NATIVE_IMPORT = "native_import.js"
 
 
 class ViewerFileHandler(RequestHandler):
@@ -70,10 +74,16 @@ class HealthHandler(RequestHandler):
     head = get
 
 
+def native_import() -> str:
+    """The address of the script for every page; another one whenever its words are, so that browsers may keep it."""
+    return f"/{NATIVE_IMPORT}?v={hashlib.sha256((HERE / NATIVE_IMPORT).read_bytes()).hexdigest()[:12]}"
+
+
 def file_routes(recordings: Path) -> list[Route]:
     """The routes of this module; `recordings` is the cache folder of `.rrd` files."""
     return [
         (r"/rerun/([a-z_]*(?:\.[a-z]+)?)", ViewerFileHandler, {}),
         (r"/rrd/([A-Za-z0-9][A-Za-z0-9._-]{0,150}\.rrd)", RecordingHandler, {"path": str(recordings)}),
+        (f"/({re.escape(NATIVE_IMPORT)})", StaticFileHandler, {"path": str(HERE)}),
         (r"/healthz", HealthHandler, {}),
     ]

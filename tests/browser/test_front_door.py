@@ -25,6 +25,16 @@ def test_every_page_opens(visitor: Page, served: Served, name: str) -> None:
     expect(visitor.get_by_text("cannot be shown")).to_have_count(0)
 
 
+def test_components_are_loaded_by_the_browser_itself(visitor: Page, served: Served) -> None:
+    """Read and rewritten by a script they would cost each page a quarter of a second."""
+    visitor.goto(f"{served.address}/paper")
+    expect(visitor.locator("[data-verdict]").first).to_be_visible()
+    script = """() => performance.getEntriesByType("resource")
+        .filter((entry) => entry.name.includes("panel-material-ui.bundle.js")).map((entry) => entry.initiatorType)"""
+    kinds = visitor.evaluate(script)
+    assert kinds and "fetch" not in kinds, kinds
+
+
 def test_the_navigation_and_the_colours_go_along(visitor: Page, served: Served) -> None:
     visitor.goto(f"{served.address}/live")
     visitor.get_by_role("button", name="Toggle theme").click()
