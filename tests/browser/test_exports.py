@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from pathlib import Path
 
+import av
 import pytest
 from bokeh.embed import file_html
 from bokeh.resources import INLINE
@@ -90,6 +91,17 @@ def test_a_page_hands_out_its_flights_with_the_branch_and_a_picture_of_the_scene
     expect(visitor.locator("#now")).not_to_have_text("6:30")
     assert visitor.locator("#scene").screenshot() != before
     assert [url for url in asked if not url.startswith(("file:", "blob:", "data:"))] == []
+
+
+def test_a_page_hands_out_a_film_of_both_flights(visitor: Page, served: Served, tmp_path: Path) -> None:
+    visitor.goto(f"{served.address}/fly?seed=2&a=random&b=expert-dragging")
+    expect(visitor.locator(".card.exit, .card.failed")).to_have_count(2)
+    film = _chosen(visitor, "mp4 Film", tmp_path)
+    with av.open(film) as container:
+        (stream,) = container.streams
+        assert stream.codec_context.name == "h264"
+        assert stream.frames > 100
+        assert all(words in container.metadata["title"] for words in ("random", "expert-dragging"))
 
 
 def test_the_replay_plays_from_a_disk_and_asks_nobody(
