@@ -17,8 +17,8 @@ HEADLESS_FLAGS = (
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
-    # Without a card a browser paints plain canvases itself. Through WebGL's software each stroke of a map of thousands of
-    # fields waits for two threads: on a busy machine the next page came up after fifty seconds instead of three.
+    # Without a card a browser paints plain canvases itself. Through WebGL's software each stroke waits for two threads:
+    # after a map of thousands of fields the next page of a busy machine came up after fifty seconds instead of three.
     "--disable-accelerated-2d-canvas",
 )
 MISSING = "no Chromium found; install it (Debian: apt-get install chromium), or set CHROMIUM to the program's path"

@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import errno
 import gc
-import logging
 import os
 import platform
 import signal
@@ -15,12 +14,13 @@ import threading
 import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sim.errors import SubMasError, UsageError, shorten
 from workbench.guard import Guard, stand_before
 from workbench.launcher import tend
 from workbench.run_files import take_lock
+from workbench.server_log import forgive_leaving, show_log
 
 if TYPE_CHECKING:
     from panel.io.server import Server
@@ -63,8 +63,7 @@ def serve(runs: Path, port: int = 5006, browser: bool = True, host: str = HOST) 
             f"from another machine run 'ssh -L {port or 5006}:localhost:{port or 5006} {shorten(platform.node())}' "
             f"and open http://localhost:{port or 5006}/ there"
         )
-    logging.basicConfig(level=logging.WARNING, format="workbench: %(message)s")
-    logging.getLogger("bokeh").setLevel(logging.ERROR)  # its warnings are about layout, for whoever writes a page
+    show_log()
     with claim(runs) as lock:
         return asyncio.run(_serve(runs, port, browser, lock))
 
@@ -108,7 +107,7 @@ async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
     context, guard = AppContext.of(runs), Guard()
     server = build(context, guard, port)
     loop = asyncio.get_running_loop()
-    loop.set_exception_handler(_forgive_leaving)
+    loop.set_exception_handler(forgive_leaving)
     end: asyncio.Future[int] = loop.create_future()
     for number, code in ((signal.SIGINT, INTERRUPTED), (signal.SIGTERM, 0)):
         loop.add_signal_handler(number, lambda code=code: end.done() or end.set_result(code))
@@ -123,15 +122,6 @@ async def _serve(runs: Path, port: int, browser: bool, lock: int) -> int:
         queue.cancel()
         server.stop()
         context.viser.close_all()
-
-
-def _forgive_leaving(loop: asyncio.AbstractEventLoop, problem: dict[str, Any]) -> None:
-    """A page that is closed while something is on its way to it is no error."""
-    from tornado.iostream import StreamClosedError
-    from tornado.websocket import WebSocketClosedError
-
-    if not isinstance(problem.get("exception"), WebSocketClosedError | StreamClosedError):
-        loop.default_exception_handler(problem)
 
 
 def build(context: AppContext, guard: Guard, port: int) -> Server:
