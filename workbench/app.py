@@ -20,6 +20,7 @@ from workbench.context import AppContext
 from workbench.file_routes import native_import
 from workbench.history_steps import history_steps
 from workbench.navigation import Navigation
+from workbench.pending_messages import leave_no_message_behind
 from workbench.tour import tour
 
 PAGES = {
@@ -45,6 +46,7 @@ def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
     scripts = {"native_import": native_import()}
     pn.extension(notifications=True, reconnect=True, sizing_mode="stretch_width", js_files=scripts)
     pn.config.exception_handler = _show_problem
+    leave_no_message_behind()
     # Panel calls plain functions once per session; a functools.partial it would print.
     return {name: lambda name=name: framed(context, name) for name in PAGES}
 
