@@ -17,10 +17,11 @@ from layouts import theme
 from sim.errors import SubMasError
 from workbench.connection_bar import connection_bar
 from workbench.context import AppContext
-from workbench.file_routes import native_import
+from workbench.file_routes import scripts
 from workbench.history_steps import history_steps
 from workbench.navigation import Navigation
 from workbench.pending_messages import leave_no_message_behind
+from workbench.session_end import ask_no_longer_whether_busy, forget_views
 from workbench.tour import tour
 
 PAGES = {
@@ -43,8 +44,7 @@ log = logging.getLogger(__name__)
 
 def applications(context: AppContext) -> dict[str, Callable[[], pmui.Page]]:
     """One application per page, by its address, for Panel's server."""
-    scripts = {"native_import": native_import()}
-    pn.extension(notifications=True, reconnect=True, sizing_mode="stretch_width", js_files=scripts)
+    pn.extension(notifications=True, reconnect=True, sizing_mode="stretch_width", js_files=scripts())
     pn.config.exception_handler = _show_problem
     leave_no_message_behind()
     # Panel calls plain functions once per session; a functools.partial it would print.
@@ -57,6 +57,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         # A page that reconnects after its session has ended gets a new one without the request that would say where
         # Panel's files are; Panel would then look for them on the internet.
         pn.state.curdoc.template_variables.setdefault("dist_url", LOCAL_DIST)
+        pn.state.on_session_destroyed(forget_views)
     light = pn.state.session_args.get("theme", [b""])[0] == b"default"
     setattr(pn.config, "theme", "default" if light else "dark")  # noqa: B010 - Panel hides the setter from type checkers
     links = Navigation(PAGES, name, dark=not light)
@@ -76,6 +77,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
     # some 50 ms: the clock of Fly, the search of Runs would wait for that. Its bar is not shown, so it need not hear.
     with edit_readonly(page):
         page.busy = False
+    ask_no_longer_whether_busy(page)
     page.param.watch(lambda event: _keep_theme(links, dark=event.new), "dark_theme")
     if light:
         _keep_theme(links, dark=False)

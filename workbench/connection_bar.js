@@ -20,8 +20,7 @@ const CSS = `
   [id^="reconnect-notification"] { display: none !important }`  // Panel's own words for it
 
 function makeBar() {
-  const style = document.createElement("style")
-  style.textContent = CSS
+  document.getElementById("connection-bar")?.remove()  // of the page that was here before
   const bar = document.createElement("div")
   bar.id = "connection-bar"
   bar.setAttribute("role", "alert")
@@ -31,8 +30,9 @@ function makeBar() {
   button.type = "button"
   button.textContent = "Reload"
   button.onclick = () => location.reload()
-  bar.append(words, button)
-  document.head.append(style)
+  const style = document.createElement("style")
+  style.textContent = CSS
+  bar.append(style, words, button)
   document.body.append(bar)
   return (state) => {
     bar.hidden = state === ""
@@ -74,9 +74,11 @@ function follow(bokeh) {
   })
 }
 
+const followed = new WeakSet()
+
 export function render({view}) {
   // A page that comes back draws everything again, in the same document.
-  if (window.connectionFollowed) return
-  window.connectionFollowed = true
+  if (followed.has(view.model.document)) return
+  followed.add(view.model.document)
   follow(view.model.document)
 }

@@ -1,4 +1,4 @@
-"""Files that the server hands out: the Rerun viewer under `/rerun/`, recordings under `/rrd/`, a script, `/healthz`.
+"""Files that the server hands out: the Rerun viewer under `/rerun/`, recordings under `/rrd/`, two scripts, `/healthz`.
 
 Names are matched, never joined: the viewer's files are a fixed list, a recording is one name inside the cache.
 """
@@ -9,7 +9,6 @@ import asyncio
 import hashlib
 import mimetypes
 import os
-import re
 from pathlib import Path
 
 from tornado.web import HTTPError, RequestHandler, StaticFileHandler
@@ -19,7 +18,8 @@ from workbench.viewer_files import FILES, ensure_viewer
 
 Route = tuple[str, type[RequestHandler], dict[str, object]]
 HERE = Path(__file__).parent
-NATIVE_IMPORT = "native_import.js"
+SCRIPTS = ("native_import", "page_exchange")
+"""Part of every page, in this order."""
 
 
 class ViewerFileHandler(RequestHandler):
@@ -74,9 +74,13 @@ class HealthHandler(RequestHandler):
     head = get
 
 
-def native_import() -> str:
-    """The address of the script for every page; another one whenever its words are, so that browsers may keep it."""
-    return f"/{NATIVE_IMPORT}?v={hashlib.sha256((HERE / NATIVE_IMPORT).read_bytes()).hexdigest()[:12]}"
+def scripts() -> dict[str, str]:
+    """Name and address of each script of every page; the address changes with its words, so browsers may keep it."""
+    return {name: f"/{name}.js?v={_digest(HERE / f'{name}.js')}" for name in SCRIPTS}
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:12]
 
 
 def file_routes(recordings: Path) -> list[Route]:
@@ -84,6 +88,6 @@ def file_routes(recordings: Path) -> list[Route]:
     return [
         (r"/rerun/([a-z_]*(?:\.[a-z]+)?)", ViewerFileHandler, {}),
         (r"/rrd/([A-Za-z0-9][A-Za-z0-9._-]{0,150}\.rrd)", RecordingHandler, {"path": str(recordings)}),
-        (f"/({re.escape(NATIVE_IMPORT)})", StaticFileHandler, {"path": str(HERE)}),
+        (rf"/((?:{'|'.join(SCRIPTS)})\.js)", StaticFileHandler, {"path": str(HERE)}),
         (r"/healthz", HealthHandler, {}),
     ]

@@ -22,9 +22,19 @@ function find(selector, root = document) {
   return null
 }
 
+// As a person would: pages are exchanged without loading everything anew.
+function follow(address) {
+  const link = element("a")
+  link.href = address
+  document.body.append(link)
+  link.click()
+  link.remove()
+}
+
 // Only who comes to the first page as it is: an address with a query shows what somebody meant to be seen.
 function firstVisit(model) {
-  const opened = new URL(performance.getEntriesByType("navigation")[0]?.name ?? location.href)
+  const asked = document.documentElement.dataset.opened ?? performance.getEntriesByType("navigation")[0]?.name
+  const opened = new URL(asked ?? location.href)
   return !read(localStorage, SEEN) && !navigator.webdriver && model.here === model.stops.find(stop => stop.page)?.page && !opened.search
 }
 
@@ -66,7 +76,7 @@ export function render({model}) {
 
   function leave(address) {
     const light = new URLSearchParams(location.search).get("theme") === "default"
-    location.assign(light && !address.includes("?") ? `${address}?theme=default` : address)
+    follow(light && !address.includes("?") ? `${address}?theme=default` : address)
   }
 
   function show(index) {
@@ -125,7 +135,7 @@ export function render({model}) {
     at = -1
     write(sessionStorage, PLACE, null)
     for (const layer of [ring, note]) if (layer.matches(":popover-open")) layer.hidePopover()
-    if (done && elsewhere) return location.assign(from)
+    if (done && elsewhere) return follow(from)
     start.focus({preventScroll: true})
   }
 
@@ -140,8 +150,15 @@ export function render({model}) {
     else if (event.key === "Tab" || event.key === "Enter" || event.key === " ") return event.stopPropagation()
     event.stopPropagation()
   }
-  addEventListener("keydown", event => { if (at >= 0 && event.key === "Escape") end(false) })
-  addEventListener("resize", () => { if (at >= 0) place() })
+  const onKey = event => { if (at >= 0 && event.key === "Escape") end(false) }
+  const onResize = () => { if (at >= 0) place() }
+  addEventListener("keydown", onKey)
+  addEventListener("resize", onResize)
+  model.on("remove", () => {
+    clearInterval(timer)
+    removeEventListener("keydown", onKey)
+    removeEventListener("resize", onResize)
+  })
 
   const stood = saved()
   const begin = () => {

@@ -15,6 +15,7 @@ from playwright.sync_api import Page, WebSocketRoute, expect
 from agents.config import TrainingConfig
 from tests.conftest import Served, start_server
 from tests.reliability.fake_training import metrics_row
+from workbench.bench.page import SETTLED
 from workbench.run_files import append_line
 from workbench.runs import Run, RunStore
 
@@ -110,7 +111,9 @@ def test_a_page_whose_connection_was_cut_is_current_again_and_pressed_nothing_tw
 def test_a_stopped_server_and_one_that_was_started_again_are_sentences(visitor: Page, tmp_path: Path) -> None:
     first = start_server(tmp_path)
     try:
-        visitor.goto(first.link.replace("/?", "/runs?"))
+        visitor.goto(first.link.replace("/?", "/live?"))
+        visitor.wait_for_function(SETTLED)
+        visitor.get_by_role("link", name="Runs", exact=True).click()  # also a page that came in place of another
         expect(visitor.get_by_text(EMPTY).first).to_be_visible()
         expect(visitor.locator(BAR)).to_be_hidden()
     finally:

@@ -1,4 +1,4 @@
-"""Does the server grow while pages are opened and left, as they are over a long day?"""
+"""Do the server and the browser grow while pages are opened and left, as they are over a long day?"""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import psutil
 
-from workbench.bench.page import Progress, browsing, ensure_browser, serving
+from workbench.bench.page import SETTLED, Progress, Serving, browsing, ensure_browser, serving
 from workbench.bench.runs import make_runs
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ WARM_UP = 60
 """Openings before the first look: caches fill, and every page is imported."""
 FORGET_S = 40.0
 """Longer than Panel keeps a session whose page was left."""
+BLANK = "about:blank"
 MEBIBYTE = 2.0**20
 
 
@@ -43,6 +44,11 @@ class Openings:
     after_mib: float
     """The same after the openings."""
     growth_mib_per_100: float
+    tab_before_mib: float
+    """What the scripts of the tab hold while Paper stands, after the warm-up."""
+    tab_after_mib: float
+    """The same after the openings."""
+    tab_growth_mib_per_100: float
 
 
 def bench_openings(openings: int, warm_up: int = WARM_UP, progress: Progress | None = None) -> Openings:
@@ -57,27 +63,38 @@ def bench_openings(openings: int, warm_up: int = WARM_UP, progress: Progress | N
     with tempfile.TemporaryDirectory(prefix="workbench-bench-") as folder:
         make_runs(Path(folder) / "runs", RUNS)
         with serving(Path(folder)) as server, browsing(chromium) as page:
-            page.goto(server.link)
             for number in range(warm_up):
-                _open(page, server.link, number)
+                _open(page, server, number)
                 tell(number + 1, total)
-            before = _resident(page, server.pid)
+            before = _held(page, server)
             for number in range(openings):
-                _open(page, server.link, number)
+                _open(page, server, number)
                 tell(warm_up + number + 1, total)
-            after = _resident(page, server.pid)
-    growth = 100.0 * (after - before) / max(openings, 1)
-    return Openings(openings, before / MEBIBYTE, after / MEBIBYTE, growth / MEBIBYTE)
+            after = _held(page, server)
+    hundreds = max(openings, 1) / 100.0
+    server_grew, tab_grew = ((then - now) / hundreds for now, then in zip(before, after, strict=True))
+    return Openings(openings, before[0], after[0], server_grew, before[1], after[1], tab_grew)
 
 
-def _open(page: Page, link: str, number: int) -> None:
+def _open(page: Page, server: Serving, number: int) -> None:
+    """By the links, in one tab, as a person would; the first of all by its address."""
     name = list(READY)[number % len(READY)]
-    page.goto(link.partition("?")[0] + name)
+    if page.url == BLANK:
+        page.goto(server.link.replace("/?", f"/{name}?"))
+    else:
+        page.locator(f"nav[aria-label=Pages] a[href^='/{name}']").click()
+        page.wait_for_url(f"**/{name}**")
     page.locator(READY[name]).first.wait_for()
+    page.wait_for_function(SETTLED)
 
 
-def _resident(page: Page, pid: int) -> float:
-    """Resident bytes of the server without its children, once it has forgotten the pages that were left."""
-    page.goto("about:blank")
+def _held(page: Page, server: Serving) -> tuple[float, float]:
+    """MiB: of the server without its children, once it has forgotten the pages; of the tab's scripts, before."""
+    _open(page, server, len(READY) - 1)
+    session = page.context.new_cdp_session(page)
+    session.send("HeapProfiler.collectGarbage")
+    tab = float(session.send("Runtime.getHeapUsage")["usedSize"])
+    session.detach()
+    page.goto(BLANK)
     time.sleep(FORGET_S)
-    return float(psutil.Process(pid).memory_info().rss)
+    return float(psutil.Process(server.pid).memory_info().rss) / MEBIBYTE, tab / MEBIBYTE

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 RUNS = 2000
 SCRUB_S = 3.0
 PATIENCE_S = 60.0
+SETTLED = "Bokeh.documents[0]?.is_idle && !document.documentElement.classList.contains('exchanging')"
+"""A page that is still being built is left by loading the next one anew, see page_exchange.js."""
 STEPS = 6
 NO_PLAYWRIGHT = "bench page drives a browser with Playwright, which is not installed; pip install playwright"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/\?token=[\w-]+")
@@ -36,6 +38,13 @@ from workbench.warm_up import warm_up
 warm_up(AppContext.of(Path(sys.argv[1])), later_s=0.0)
 """
 COMPARED = "policies=submas-target,expert-dragging&tasks=target&episodes=1000&seed=1"
+FOLLOW = """address => {
+  const link = Object.assign(document.createElement("a"), {href: address})
+  document.body.append(link)
+  link.click()
+  link.remove()
+}"""
+"""Follows an address in the tab that stands, as a link on one of the pages would."""
 Progress = Callable[[int, int], None]
 
 SCRUB = """async (milliseconds) => {
@@ -79,7 +88,7 @@ class PageBench:
     scrub_hz: float
     """Instants shown per second while the clock is dragged."""
     runs_open_s: float
-    """The table of two thousand runs."""
+    """From the click on its link: the table of two thousand runs; the median of once from Fly and twice from Live."""
     runs_filter_s: float | None
     """On a page that stands: a name put into the search until only that run is left."""
     compare_s: float
@@ -134,38 +143,58 @@ def _visit(page: Page, link: str, started_s: float, scrub_s: float, tell: Progre
     tell(3, STEPS)
     scrub_hz = float(page.evaluate(SCRUB, 1000.0 * scrub_s))
     tell(4, STEPS)
-    open_s, filter_s = _runs(page, link, runs)
+    open_s, filter_s = _runs(page, runs)
     tell(5, STEPS)
-    compare_s = _compare(page, link)
+    compare_s = _compare(page)
     tell(6, STEPS)
     return PageBench(started_s, first_s, drawn_s, switch_s, scrub_hz, open_s, filter_s, compare_s)
 
 
-def _runs(page: Page, link: str, runs: int) -> tuple[float, float]:
-    """Seconds until the table of runs stands, and until a search has left one of them (the median of three)."""
-    begin = time.perf_counter()
-    page.goto(link.partition("?")[0] + "runs")
-    page.get_by_role("gridcell", name=re.compile("^bench-")).first.wait_for()
-    open_s = time.perf_counter() - begin
-    page.get_by_text("Tick runs in the table").wait_for()  # what is below the table stands too
+def _runs(page: Page, runs: int) -> tuple[float, float]:
+    """Seconds until the table of runs stands, and until a search has left one of them (medians of three)."""
+    opened = [_open_runs(page)]
+    for _ in range(2):
+        _link(page, "Live")
+        page.get_by_label("Trainings").wait_for()
+        opened.append(_open_runs(page))
     waits = [_search(page, f"bench-{number:04}") for number in (0, runs // 3, runs // 2)]
-    return open_s, sorted(waits)[1]
+    return sorted(opened)[1], sorted(waits)[1]
+
+
+def _open_runs(page: Page) -> float:
+    begin = _link(page, "Runs")
+    opened = _until(lambda: page.locator(".sheet .name .words", has_text="bench-").first.is_visible(), begin)
+    page.get_by_text("Tick runs in the table").wait_for()  # what is below the table stands too
+    return opened
+
+
+def _link(page: Page, title: str) -> float:
+    page.wait_for_function(SETTLED)
+    begin = time.perf_counter()
+    page.get_by_role("link", name=title, exact=True).click()
+    return begin
 
 
 def _search(page: Page, name: str) -> float:
     box, cells = page.get_by_role("searchbox", name="Search runs"), page.locator(".sheet .name .words")
     begin = time.perf_counter()
     box.fill(name)
-    while cells.all_inner_texts() != [name]:
+    return _until(lambda: cells.all_inner_texts() == [name], begin)
+
+
+def _until(there: Callable[[], bool], begin: float) -> float:
+    """Seconds from `begin` until it is there. Playwright's own waiting looks up to half a second apart."""
+    while not there():
         if time.perf_counter() - begin > PATIENCE_S:
-            raise BenchError("the table of runs did not answer its search within a minute")
+            raise BenchError("the table of runs did not answer within a minute")
         time.sleep(0.005)
     return time.perf_counter() - begin
 
 
-def _compare(page: Page, link: str) -> float:
+def _compare(page: Page) -> float:
+    page.wait_for_function(SETTLED)
     begin = time.perf_counter()
-    page.goto(link.partition("?")[0] + "compare?" + COMPARED)
+    page.evaluate(FOLLOW, f"/compare?{COMPARED}")
     page.locator("a.shot").first.wait_for()
     return time.perf_counter() - begin
 
@@ -239,6 +268,7 @@ def browsing(chromium: Path) -> Iterator[Page]:
         try:
             yield page
         except Error as error:
-            raise BenchError(f"the pages could not be measured: {error.message.splitlines()[0]}") from error
+            where = page.url.partition("?")[0]
+            raise BenchError(f"the pages could not be measured at {where}: {error.message.splitlines()[0]}") from error
         finally:
             browser.close()

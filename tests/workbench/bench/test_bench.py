@@ -139,7 +139,7 @@ def test_pages_keep_the_promised_names(monkeypatch: pytest.MonkeyPatch, capsys: 
 
 
 def test_openings_tell_of_memory(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    measured = Openings(300, 400.0, 406.0, 2.0)
+    measured = Openings(300, 400.0, 406.0, 2.0, 30.0, 33.0, 1.0)
     monkeypatch.setattr(bench_openings, "bench_openings", lambda openings, progress: measured)
     assert bench.run(bench.Args("page", openings=300)) == 0
     lines = capsys.readouterr().out.splitlines()
