@@ -43,11 +43,11 @@ class StopNow(BaseException):
 
 
 class Signals:
-    """Counts asks to stop by SIGTERM and SIGINT; the second raises StopNow where the program stands."""
+    """Counts asks to stop by SIGTERM and SIGINT; the second raises StopNow where the program stands, once."""
 
     def __init__(self, run: Run) -> None:
         self.asked = False
-        self._run = run
+        self._run, self._heard_enough = run, False
 
     def __call__(self) -> bool:
         """Whether a signal has asked the training to stop."""
@@ -58,8 +58,15 @@ class Signals:
         signal.signal(signal.SIGTERM, self._handle)
         signal.signal(signal.SIGINT, self._handle)
 
+    def close(self) -> None:
+        """Nothing is interrupted from now on: what a training writes at its end is written whole."""
+        self._heard_enough = True
+
     def _handle(self, number: int, frame: FrameType | None) -> None:
+        if self._heard_enough:
+            return
         if self.asked or self._run.stop_requested():
+            self.close()
             raise StopNow
         self.asked = True
 
@@ -133,8 +140,11 @@ def _train(run: Run, store: RunStore) -> int:
     state = dataclasses.replace(run.state, **alive, patience_s=PATIENCE_S, error="")
     recorder = RunRecorder(run, dataclasses.replace(state, started=state.started or now()), signals)
     try:
-        run.write_state(recorder.state)
-        _learn(run, store, recorder, recorder.resume())
+        try:
+            run.write_state(recorder.state)
+            _learn(run, store, recorder, recorder.resume())
+        finally:
+            signals.close()
     except StopNow:
         recorder.end("stopped")
         return 130

@@ -1,7 +1,8 @@
 """A training process that learns nothing, quickly: the real entry point around a stand-in for the learner.
 
 What it does is told by the run's name: `epochs=5 epoch_s=0.1 fail_at=3 nan_at=2 die_at=4 hang_at=2
-saving=0` (the share of its time that goes into checkpoints; 0: only the first and what is needed).
+saving=0 (the share of its time that goes into checkpoints; 0: only the first and what is needed)
+struck_at_end=1` (two signals arrive while it writes how it ended).
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot |
     epochs, epoch_s = int(told.get("epochs", 3)), float(told.get("epoch_s", 0.01))
     pulse.SAVING_SHARE = float(told.get("saving", pulse.SAVING_SHARE))
     began = time.monotonic()
+    if "struck_at_end" in told:
+        recorder.end = lambda state, error="": struck(recorder, state, error)
     if snapshot is None:
         recorder.event("stage_started", "stage 1 of 1: target")
     for epoch in range(1 if snapshot is None else int(snapshot.values["epoch"]) + 1, epochs + 1):
@@ -44,6 +47,13 @@ def learn(run: Run, store: RunStore, recorder: RunRecorder, snapshot: Snapshot |
         recorder.checkpoint(lambda taken=taken: taken)
         if recorder.should_stop():
             return
+
+
+def struck(recorder: RunRecorder, state: str, error: str) -> None:
+    """End a run while somebody presses Ctrl-C again and again."""
+    os.kill(os.getpid(), signal.SIGTERM)
+    os.kill(os.getpid(), signal.SIGINT)
+    RunRecorder.end(recorder, state, error)
 
 
 class Slots:

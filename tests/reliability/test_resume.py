@@ -111,6 +111,16 @@ def test_a_second_signal_in_mid_epoch_loses_that_epoch_and_no_more(store: RunSto
     assert epochs(run) == [1, 2, 3, 4, 5, 6]
 
 
+@pytest.mark.parametrize(("told", "state"), [("epochs=2", "finished"), ("epochs=4 fail_at=2", "failed")])
+def test_signals_at_the_end_do_not_keep_it_from_saying_how_it_ended(
+    store: RunStore, config: Config, wait: Wait, told: str, state: str
+) -> None:
+    # R12: the second signal of an impatient user may come when the epoch has ended and its end is being written.
+    run = launch(store, config(f"{told} struck_at_end=1"))
+    wait(run, state)
+    assert "StopNow" not in run.log_tail()
+
+
 def test_a_killed_run_is_interrupted_within_two_seconds(store: RunStore, config: Config) -> None:
     # R9
     run = launch(store, config("epochs=500 epoch_s=0.05"))
