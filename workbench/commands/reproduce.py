@@ -46,6 +46,8 @@ class Args:
     """Episodes behind every number."""
     finished_only: bool = False
     """Train nothing: evaluate the trainings that have finished, and tell which are missing."""
+    add: bool = False
+    """Keep the trainings that the result sets hold, from whatever machine, and train and evaluate only the others."""
     where: Annotated[EngineOptions, tyro.conf.arg(name="")] = LOCAL
     """Where trainings work; what is trained is evaluated on this machine."""
     out: Path | None = None
@@ -68,7 +70,7 @@ def run(args: Args) -> int:
     fly = _fly if any(plan.item == "fig12" for plan in plans) else nothing_to_fly
     store = RunStore(args.runs)
     with open_engine(args.where, store) as engine:
-        report = Session(plans, store, folder, fly, engine, args.finished_only).run(Watch())
+        report = Session(plans, store, folder, fly, engine, args.finished_only, args.add).run(Watch())
     files = written(report.results, folder)
     if args.json:
         _print_json(report, files)

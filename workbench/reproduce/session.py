@@ -11,6 +11,7 @@ from pathlib import Path
 from workbench.engine import Engine, LocalEngine
 from workbench.launcher import cpu_count
 from workbench.reproduce.assembly import NOTHING_FLOWN, Flown, assemble
+from workbench.reproduce.earlier import NOTHING_EARLIER, earlier
 from workbench.reproduce.eta import left_s, training_s
 from workbench.reproduce.job import BusyError, Job, JobFile, kind_of, working
 from workbench.reproduce.matching import training_key
@@ -52,18 +53,25 @@ class Session:
 
     def __init__(
         self, plans: Sequence[Plan], store: RunStore, folder: Path, fly: Fly = nothing_to_fly,
-        engine: Engine | None = None, finished_only: bool = False,
+        engine: Engine | None = None, finished_only: bool = False, add: bool = False,
     ) -> None:  # fmt: skip
         """Result sets go to `folder`; `fly` makes the engagements of Fig. 10 to 12, and tells how far it is.
 
         Trainings are the business of `engine`, by default of this machine's processes; with `finished_only` none is
-        started or waited for, and the result sets hold what is there.
+        started or waited for, and the result sets hold what is there. With `add` they keep the trainings they have,
+        whoever made them, and only the others are looked for.
+
+        Raises:
+            SubMasError: the result sets cannot be added to.
         """
         self._engine = engine or LocalEngine(store)
         self._plans, self._store, self._folder, self._fly = plans, store, folder, fly
         self._flown = NOTHING_FLOWN
         self._origin = provenance()
-        self._trainings = Trainings(plans, store, self._engine, self._origin.scenario_digest, finished_only)
+        self._earlier = earlier(plans, folder, self._origin) if add else NOTHING_EARLIER
+        self._trainings = Trainings(
+            plans, store, self._engine, self._origin.scenario_digest, finished_only, self._earlier.keys
+        )
         self._measurements = Measurements(plans, store.root, known_figures(folder, self._origin))
 
     def run(self, watch: Watch) -> Report:
@@ -127,7 +135,8 @@ class Session:
         for plan in self._plans:
             measured = list(self._measurements.known(plan, ended))
             flown = self._flown if plan.item == "fig12" else NOTHING_FLOWN
-            results[plan.item] = assemble(plan, self._origin, ended, measured, flown)
+            fresh = assemble(plan, self._origin, ended, measured, flown)
+            results[plan.item] = self._earlier.added_to(plan, fresh)
             save(results[plan.item], self._folder / f"{plan.item}.json")
         return results
 
@@ -148,10 +157,11 @@ class Session:
         return Standing(len(trainings.ended), len(trainings.configs), known, wanted, left, running)
 
     def _to_fly(self, plan: Plan) -> int:
-        """Evaluations of a plan, without those of trainings that this session leaves out."""
+        """Evaluations of a plan, without those of trainings that this session leaves out or has no need of."""
         never = set(self._trainings.missing) - set(self._trainings.to_come)
         return sum(
-            one.seed is None or training_key(training_of(one.variant, plan.profile, one.seed)) not in never
+            one.seed is None
+            or training_key(training_of(one.variant, plan.profile, one.seed)) not in never | self._earlier.keys
             for one in plan.wanted
         )
 

@@ -66,10 +66,15 @@ def points_per_curve(lengths: Sequence[int]) -> int:
 
 def thinned(record: StageRecord, points: int) -> StageRecord:
     """The same stage with at most so many points, first and last included, evenly spread."""
-    if len(record.steps) <= points:
-        return record
-    keep = np.unique(np.linspace(0, len(record.steps) - 1, points).round().astype(int))
+    rows = evenly(len(record.steps), points)
     kept = {
-        name: tuple(getattr(record, name)[index] for index in keep) for name in ("steps", "success_rate", "mean_return")
+        name: tuple(getattr(record, name)[row] for row in rows) for name in ("steps", "success_rate", "mean_return")
     }
     return dataclasses.replace(record, **kept)
+
+
+def evenly(length: int, points: int) -> list[int]:
+    """Indices of at most so many of a curve's points, first and last included, evenly spread; all if they are few."""
+    if length <= points:
+        return list(range(length))
+    return [int(row) for row in np.unique(np.linspace(0, length - 1, points).round())]

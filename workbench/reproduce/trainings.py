@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from agents.config import TrainingConfig
 from workbench.engine import Engine
@@ -22,10 +22,15 @@ class Trainings:
     """Every training that some plans ask for, each once."""
 
     def __init__(
-        self, plans: Sequence[Plan], store: RunStore, engine: Engine, scenario_digest: str, finished_only: bool = False
-    ) -> None:
-        """With `finished_only` those that have finished are found, and nothing is started or waited for."""
-        self.configs = {training_key(config): config for plan in plans for config in plan.trainings}
+        self, plans: Sequence[Plan], store: RunStore, engine: Engine, scenario_digest: str, finished_only: bool = False,
+        kept: Collection[Key] = (),
+    ) -> None:  # fmt: skip
+        """With `finished_only` those that have finished are found, and nothing is started or waited for.
+
+        Those in `kept` are nobody's business here: an earlier result set has them.
+        """
+        configs = {training_key(config): config for plan in plans for config in plan.trainings}
+        self.configs = {key: config for key, config in configs.items() if key not in kept}
         self.ended: dict[Key, Ended] = {}
         self.alive: dict[Key, Run] = {}
         """Queued or running."""

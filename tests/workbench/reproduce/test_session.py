@@ -193,6 +193,23 @@ def test_what_has_finished_is_evaluated_and_nothing_is_trained_or_waited_for_if_
     assert {number.seed for number in result.numbers} == {0}
 
 
+def test_another_machine_adds_what_is_missing_to_what_is_there(store: RunStore) -> None:
+    reproduce(store, seeds=1)
+    first, results = written(store), store.root / "results"
+    for run in store.list():
+        shutil.rmtree(run.path)
+    plan = make_plan("fig9", "smoke", SeedCounts.each(2), 100)
+    watch = Quiet()
+    assert not Session([plan], store, results, add=True).run(watch).failures
+    assert {run.config.seed for run in store.list()} == {1}
+    result = written(store)
+    assert len(result.trainings) == len(result.numbers) == 6
+    for rows in ("trainings", "numbers", "curves"):
+        assert [row for row in getattr(result, rows) if row.seed == 0] == list(getattr(first, rows))
+    assert watch.standings[0].left_s > 0.0
+    assert watch.standings[-1].summary.startswith("3/3 trained, 3/3 evaluated")
+
+
 def test_a_training_that_somebody_else_runs_is_waited_for(store: RunStore) -> None:
     tell(store, td3_0="wait")
     theirs = launcher.launch(store, training_of("td3", "smoke", 0))
