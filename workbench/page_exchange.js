@@ -12,11 +12,15 @@
     return connect.call(this)
   }
 
-  // Bokeh's figures listen for pinches and never cease to, which would keep each of them for ever.
-  const pinches = [], listen = visualViewport.addEventListener
-  visualViewport.addEventListener = function (...listener) {
-    pinches.push(listener)
-    listen.apply(this, listener)
+  // Bokeh's figures listen for pinches, Panel's description of the browser for another preference of colours, and they
+  // never cease to, which would keep each of them for ever.
+  const listeners = []
+  for (const target of [visualViewport, MediaQueryList.prototype]) {
+    const listen = target.addEventListener
+    target.addEventListener = function (...listener) {
+      listeners.push([this, listener])
+      listen.apply(this, listener)
+    }
   }
 
   const style = document.createElement("style")
@@ -48,7 +52,7 @@
     for (const connection of connections) connection.close()
     connections.clear()
     for (const left of Bokeh.documents.splice(0)) left.clear({sync: false})
-    for (const listener of pinches.splice(0)) visualViewport.removeEventListener(...listener)
+    for (const [target, listener] of listeners.splice(0)) target.removeEventListener(...listener)
   }
 
   // What Bokeh.embed.embed_items does, but for its list of sessions, in which a page that was left would stay for ever.

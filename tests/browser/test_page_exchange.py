@@ -56,6 +56,32 @@ def test_every_page_comes_into_the_same_document_and_leaves_nothing_behind(visit
     assert [socket.is_closed() for socket in ours] == [True] * 6 + [False]
 
 
+HEARING = """{
+  const {addEventListener, removeEventListener} = EventTarget.prototype
+  window.heard = new Set()
+  EventTarget.prototype.addEventListener = function (type, listener, ...more) {
+    if (this === visualViewport || this instanceof MediaQueryList) heard.add(listener)
+    return addEventListener.call(this, type, listener, ...more)
+  }
+  EventTarget.prototype.removeEventListener = function (type, listener, ...more) {
+    heard.delete(listener)
+    return removeEventListener.call(this, type, listener, ...more)
+  }
+}"""
+
+
+def test_what_a_page_hears_of_the_tab_is_let_go(visitor: Page, served: Served) -> None:
+    # What listens to the tab itself is never collected, and holds the page that it belongs to.
+    visitor.add_init_script(HEARING)
+    _open(visitor, f"{served.address}/live", "Live")
+    for title in ("Runs", "Live"):
+        _go(visitor, title)
+    heard = visitor.evaluate("heard.size")
+    for title in ("Runs", "Live") * 2:
+        _go(visitor, title)
+    assert visitor.evaluate("heard.size") == heard
+
+
 def test_a_page_that_was_exchanged_is_alive(visitor: Page, served: Served) -> None:
     _open(visitor, f"{served.address}/paper", "Paper")
     _go(visitor, "Fly")
