@@ -21,7 +21,7 @@ from workbench.file_routes import scripts
 from workbench.history_steps import history_steps
 from workbench.navigation import Navigation
 from workbench.pending_messages import leave_no_message_behind
-from workbench.session_end import ask_no_longer_whether_busy, forget_views
+from workbench.session_end import ask_no_longer_whether_busy, forget_views, give_memory_back
 from workbench.tour import tour
 
 PAGES = {
@@ -58,6 +58,7 @@ def framed(context: AppContext, name: str) -> pmui.Page:
         # Panel's files are; Panel would then look for them on the internet.
         pn.state.curdoc.template_variables.setdefault("dist_url", LOCAL_DIST)
         pn.state.on_session_destroyed(forget_views)
+        pn.state.on_session_destroyed(give_memory_back)
     light = pn.state.session_args.get("theme", [b""])[0] == b"default"
     setattr(pn.config, "theme", "default" if light else "dark")  # noqa: B010 - Panel hides the setter from type checkers
     links = Navigation(PAGES, name, dark=not light)

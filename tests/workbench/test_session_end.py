@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import weakref
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
 
+import psutil
+import pytest
 from bokeh.application.application import SessionContext
 from bokeh.document import Document
 from bokeh.server.contexts import BokehSessionContext
@@ -17,7 +20,7 @@ from panel_material_ui.notifications import NotificationArea
 
 from workbench.app import framed
 from workbench.context import AppContext
-from workbench.session_end import ask_no_longer_whether_busy, forget_views
+from workbench.session_end import ask_no_longer_whether_busy, forget_views, give_memory_back
 
 
 def _end(document: Document, *, mended: bool) -> weakref.ref[Document]:
@@ -67,9 +70,21 @@ def test_a_frame_is_let_go() -> None:
     assert left() is None
 
 
-def test_pages_are_framed_with_both(tmp_path: Path) -> None:
+@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "malloc_trim"), reason="another C library than glibc")
+def test_freed_memory_goes_back_to_the_system() -> None:
+    process, session = psutil.Process(), cast("SessionContext", None)
+    pieces = [bytearray(1000) for _ in range(200_000)]
+    kept = pieces[::50]  # scattered: the C library by itself gives nothing back below the last of them
+    del pieces
+    held = process.memory_info().rss
+    give_memory_back(session)
+    assert process.memory_info().rss < held - 100e6
+    assert len(kept) == 4000
+
+
+def test_pages_are_framed_with_all(tmp_path: Path) -> None:
     document = Document()
     with set_curdoc(document):
         page = framed(AppContext.of(tmp_path), "runs")
-    assert forget_views in document.session_destroyed_callbacks
+    assert {forget_views, give_memory_back} <= document.session_destroyed_callbacks
     assert not [watcher for _, watcher in page._param__private.ref_watchers if watcher.inst is state]
