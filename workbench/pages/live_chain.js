@@ -1,6 +1,5 @@
 // The stages of a training. A card is made once and then only told what has changed, so that its bars glide.
-const SIGNS = {done: "✓", now: "▶", halted: "‖", waiting: "…"}
-const WORDS = {done: "passed", now: "learning", halted: "halted", waiting: "waits"}
+const SIGNS = {done: "✓", spent: "■", now: "▶", halted: "‖", waiting: "…"}
 
 function element(tag, className, parent, text) {
   const made = document.createElement(tag)
@@ -69,7 +68,7 @@ function fill(parts, card) {
   for (const name of ["place", "title", "guide", "best", "epochs", "time", "rule", "now"]) {
     if (parts[name].textContent !== card[name]) parts[name].textContent = card[name]
   }
-  parts.sign.textContent = `${SIGNS[card.kind]} ${WORDS[card.kind]}`
+  parts.sign.textContent = `${SIGNS[card.kind]} ${card.word}`
   parts.share.style.width = `${100 * card.share}%`
   parts.bar.setAttribute("aria-valuenow", Math.round(100 * card.share))
   parts.bar.setAttribute("aria-label", `Progress of ${card.title}`)

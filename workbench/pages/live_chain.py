@@ -12,6 +12,7 @@ import param
 from panel.custom import JSComponent
 
 from agents.config import VARIANTS, TrainingConfig
+from agents.hyperparameters import Hyperparameters
 from layouts.theme import missile_colour
 from sim.scenario_file import load_scenario
 from sim.task import Task
@@ -20,6 +21,7 @@ from workbench.pages.live_promotion import never_promotes, passed, percent_short
 from workbench.run_state import RunState
 from workbench.terminal import duration, percent
 
+WORDS = {"now": "learning", "halted": "halted", "waiting": "waits"}
 GUIDES = {"expert-navigation": "Navigation expert", "expert-dragging": "Dragging expert", "random": "random policy"}
 
 
@@ -70,10 +72,13 @@ def _card(learned: Learned, number: int, task: Task) -> dict[str, Any]:
     config, state = learned.config, learned.state
     begun = learned.stages[number] if number < len(learned.stages) else None
     kind = _kind(state, number, len(learned.stages))
+    end = _end_of(learned, task) if kind == "done" else None
+    kind, word = _verdict(end, config.hyperparameters) if kind == "done" else (kind, WORDS[kind])
     before = set(config.stages[number - 1]) if number else set()
     every = range(1, task.scenario.launch.missiles + 1)
     return {
         "kind": kind,
+        "word": word,
         "place": f"stage {number + 1} of {len(config.stages)}" if len(config.stages) > 1 else "one stage",
         "title": title(task),
         "missiles": [
@@ -84,7 +89,7 @@ def _card(learned: Learned, number: int, task: Task) -> dict[str, Any]:
         "guide": _guide(learned, number, task),
         "best": percent(None if begun is None else begun["success_rate"]),
         **_progress(learned, number, kind, begun),
-        **_promotion(learned, kind, task, begun),
+        **_promotion(learned, kind, end, begun),
     }  # fmt: skip
 
 
@@ -96,6 +101,23 @@ def _kind(state: RunState, number: int, begun: int) -> str:
     if number > current or state.state == "queued":
         return "waiting"
     return "now" if state.state in ("running", "stalled") else "halted"
+
+
+def _end_of(learned: Learned, task: Task) -> Mapping[str, Any] | None:
+    """The event that says how the task's stage ended."""
+    ended = [e for e in learned.events if e.get("kind") == "stage_finished" and e.get("task") == task.name]
+    return ended[-1] if ended else None
+
+
+def _verdict(end: Mapping[str, Any] | None, hyper: Hyperparameters) -> tuple[str, str]:
+    """Kind and word of a stage that has ended: `spent` if there was a rule to pass, and its epochs ran out before."""
+    if end is None or never_promotes(hyper):
+        return "done", "done"
+    return ("done", "passed") if _promoted(end) else ("spent", "not passed")
+
+
+def _promoted(end: Mapping[str, Any]) -> bool:
+    return "held-out evaluations" in str(end.get("reason", ""))
 
 
 def _guide(learned: Learned, number: int, task: Task) -> str:
@@ -119,7 +141,7 @@ def _progress(learned: Learned, number: int, kind: str, begun: Mapping[str, Any]
         return {"share": 0.0, "epochs": f"≤ {epochs} epochs", "time": most}
     done, worked = begun["epochs"], begun["wall_s"]
     count = f"{done} epoch{'s' * (done != 1)}"
-    if kind == "done":
+    if kind in ("done", "spent"):
         return {"share": 1.0, "epochs": count, "time": duration(worked)}
     left = (
         f"at most {duration(worked / max(done, 1) * max(epochs - done, 0))} left" if kind == "now" else duration(worked)
@@ -133,12 +155,13 @@ def _epoch_s(stages: Sequence[Mapping[str, Any]]) -> float:
     return stages[-1]["wall_s"] / max(stages[-1]["epochs"], 1) if stages else 0.0
 
 
-def _promotion(learned: Learned, kind: str, task: Task, begun: Mapping[str, Any] | None) -> dict[str, Any]:
+def _promotion(
+    learned: Learned, kind: str, end: Mapping[str, Any] | None, begun: Mapping[str, Any] | None
+) -> dict[str, Any]:
     """The rule in words, its threshold, the present value, and how many evaluations are passed of how many."""
     hyper = learned.config.hyperparameters
-    ended = [e for e in learned.events if e.get("kind") == "stage_finished" and e.get("task") == task.name]
-    if kind == "done" and ended:
-        return {"rule": _ended(ended[-1]), "threshold": None, "value": None, "now": "", "least": 0, "of": 0}
+    if end is not None:
+        return {"rule": _ended(end), "threshold": None, "value": None, "now": "", "least": 0, "of": 0}
     facts = {"rule": rule_words(hyper), "threshold": None, "value": None, "now": "", "least": 0, "of": 0}
     if never_promotes(hyper):
         return facts
@@ -153,6 +176,6 @@ def _promotion(learned: Learned, kind: str, task: Task, begun: Mapping[str, Any]
 
 def _ended(event: Mapping[str, Any]) -> str:
     """How a stage ended: `promoted`, or the reason, and what its policy is worth."""
-    reason, rate = str(event.get("reason", "")), event.get("success_rate")
-    words = "promoted" if "held-out evaluations" in reason else f"ended: {reason}"
+    rate = event.get("success_rate")
+    words = "promoted" if _promoted(event) else f"ended: {event.get('reason', '')}"
     return f"{words}; {percent(rate)} of fresh episodes" if isinstance(rate, int | float) else words

@@ -115,7 +115,7 @@ def test_every_stage_has_a_card_with_its_mask_guide_rule_and_present_value(app: 
     append_line(run.path / "events.jsonl", {"kind": "stage_finished", "text": "source-3 …", **fields})
     first, second, third, last = cards(opened_live(app, run=run.id))
     assert [card["kind"] for card in (first, second, third, last)] == ["done", "now", "waiting", "waiting"]
-    assert first["rule"] == "promoted; 99.6 % of fresh episodes"
+    assert (first["word"], first["rule"]) == ("passed", "promoted; 99.6 % of fresh episodes")
     assert [chip["number"] for chip in second["missiles"] if not chip["masked"]] == [1, 2]
     assert [chip["number"] for chip in second["missiles"] if chip["new"]] == [2]
     assert second["guide"] == "guide: the policy of stage 1"
@@ -125,6 +125,23 @@ def test_every_stage_has_a_card_with_its_mask_guide_rule_and_present_value(app: 
     assert second["time"] == "at most 4:51 left"  # 97 epochs of 3 s
     assert last["title"] == "Target task" and not any(chip["masked"] for chip in last["missiles"])
     os.close(lock or 0)
+
+
+@pytest.mark.parametrize(
+    ("profile", "reason", "shown"),
+    [
+        ("fast", "all 100 epochs done", ("spent", "not passed", "ended: all 100 epochs done; 0.0 % of fresh episodes")),
+        ("paper", "all 400 epochs done", ("done", "done", "ended: all 400 epochs done; 0.0 % of fresh episodes")),
+    ],
+)
+def test_a_stage_whose_epochs_ran_out_is_not_called_passed(
+    app: AppContext, profile: str, reason: str, shown: tuple[str, str, str]
+) -> None:
+    run = learning(app, profile=profile)
+    fields = {"task": "source-3", "reason": reason, "success_rate": 0.0}
+    append_line(run.path / "events.jsonl", {"kind": "stage_finished", "text": "source-3 …", **fields})
+    first = cards(opened_live(app, run=run.id))[0]
+    assert (first["kind"], first["word"], first["rule"]) == shown and first["share"] == 1.0
 
 
 def test_nothing_is_sent_while_nothing_changes(app: AppContext, monkeypatch: pytest.MonkeyPatch) -> None:
