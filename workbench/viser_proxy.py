@@ -32,6 +32,11 @@ if TYPE_CHECKING:
 MESSAGE_LIMIT_BYTES = 64 * 1024 * 1024
 LOOKS = frozenset({"ViewerCameraMessage", "GetRenderResponseMessage"})
 """What a scene's page may tell its server; presses, uploads, typed values and requests to be shared are dropped."""
+QUIET = b"""<script>{
+  const warn = console.warn
+  console.warn = (...words) => String(words[0]).startsWith("THREE.Clock: This module has been deprecated") || warn(...words)
+}</script>"""
+"""A note from one library to another about its next version, which nobody who looks at a scene can follow."""
 _construction = threading.Lock()
 
 
@@ -101,7 +106,8 @@ def _client_page() -> bytes:
     spec = importlib.util.find_spec("viser")
     if spec is None or spec.origin is None:
         raise HTTPError(404)
-    return (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes()
+    page = (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes()
+    return page.replace(b"<head>", b"<head>" + QUIET, 1)
 
 
 class ViserHandler(WebSocketHandler):

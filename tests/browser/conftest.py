@@ -15,6 +15,8 @@ from workbench.chromium import MISSING, find_chromium, headless_flags
 # Telemetry and fonts that the Rerun viewer asks for and our content policy refuses; nothing else may be refused.
 # The last is its own complaint of that: recordings are fetched by the page, never by the viewer.
 RERUN_PHONES_HOME = ("tel.rerun.io", "api.github.com", "fonts.googleapis.com", "fonts.gstatic.com", "at __wbg_fetch_")
+# What it says of itself: how its own page starts it, and what the web has no windows for.
+RERUN_WARNS = "/rerun/re_viewer"
 # Chromium asks for it of its own accord, now and then before it has stored the cookie.
 BY_ITSELF = "/favicon.ico"
 PATIENCE_MS = 60_000
@@ -59,12 +61,13 @@ def browser_context_args(browser_context_args: dict[str, Any]) -> dict[str, Any]
 
 @pytest.fixture
 def complaints(page: Page) -> Iterator[list[str]]:
-    """What went wrong in the page so far: errors of scripts, refused contents, failed requests."""
+    """What went wrong in the page so far: errors and warnings, refused contents, failed requests."""
     found: list[str] = []
 
     def hear(message: ConsoleMessage) -> None:
         complaint = f"{message.text} {message.location['url']}"
-        if message.type == "error" and not any(known in complaint for known in (*RERUN_PHONES_HOME, BY_ITSELF)):
+        known = {"error": (*RERUN_PHONES_HOME, BY_ITSELF), "warning": (*RERUN_PHONES_HOME, RERUN_WARNS)}
+        if message.type in known and not any(one in complaint for one in known[message.type]):
             found.append(complaint)
 
     page.on("console", hear)
