@@ -33,8 +33,8 @@ MESSAGE_LIMIT_BYTES = 64 * 1024 * 1024
 LOOKS = frozenset({"ViewerCameraMessage", "GetRenderResponseMessage"})
 """What a scene's page may tell its server; presses, uploads, typed values and requests to be shared are dropped."""
 QUIET = b"""<script>{
-  const warn = console.warn
-  console.warn = (...words) => String(words[0]).startsWith("THREE.Clock: This module has been deprecated") || warn(...words)
+  const {warn} = console
+  console.warn = (...words) => { if (!String(words[0]).startsWith("THREE.Clock: ")) warn(...words) }
 }</script>"""
 """A note from one library to another about its next version, which nobody who looks at a scene can follow."""
 _construction = threading.Lock()

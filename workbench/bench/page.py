@@ -84,7 +84,7 @@ class PageBench:
     flights_drawn_s: float
     """The same visit: both flights told of and drawn in three dimensions."""
     switch_s: float
-    """A missile masked: both flights flown anew and told of."""
+    """A missile masked: both flights flown anew and told of (median of three, one after the other)."""
     scrub_hz: float
     """Instants shown per second while the clock is dragged."""
     runs_open_s: float
@@ -136,18 +136,23 @@ def _visit(page: Page, link: str, started_s: float, scrub_s: float, tell: Progre
     page.locator(".cover.gone").wait_for(state="attached")
     drawn_s = time.perf_counter() - begin
     tell(2, STEPS)
-    begin = time.perf_counter()
-    page.get_by_role("button", name="Missile 4", exact=True).click()
-    page.locator(".card", has_text="of 3").nth(1).wait_for()
-    switch_s = time.perf_counter() - begin
-    tell(3, STEPS)
     scrub_hz = float(page.evaluate(SCRUB, 1000.0 * scrub_s))
+    tell(3, STEPS)
+    switch_s = sorted(_mask(page, missile) for missile in (4, 3, 2))[1]
     tell(4, STEPS)
     open_s, filter_s = _runs(page, runs)
     tell(5, STEPS)
     compare_s = _compare(page)
     tell(6, STEPS)
     return PageBench(started_s, first_s, drawn_s, switch_s, scrub_hz, open_s, filter_s, compare_s)
+
+
+def _mask(page: Page, missile: int) -> float:
+    """Seconds until both flights without this missile, one more than before, are told of."""
+    cards = page.locator(".card", has_text=f"of {missile - 1}")
+    begin = time.perf_counter()
+    page.get_by_role("button", name=f"Missile {missile}", exact=True).click()
+    return _until(lambda: cards.count() == 2, begin)
 
 
 def _runs(page: Page, runs: int) -> tuple[float, float]:
@@ -186,7 +191,7 @@ def _until(there: Callable[[], bool], begin: float) -> float:
     """Seconds from `begin` until it is there. Playwright's own waiting looks up to half a second apart."""
     while not there():
         if time.perf_counter() - begin > PATIENCE_S:
-            raise BenchError("the table of runs did not answer within a minute")
+            raise BenchError("the page did not answer within a minute")
         time.sleep(0.005)
     return time.perf_counter() - begin
 
