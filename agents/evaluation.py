@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from agents.episodes import EpisodeResults, Progress, fly_in_parts
 from agents.policy import Policy, bind
@@ -98,9 +97,7 @@ def evaluate(
     shares = [len(share) for share in np.array_split(np.arange(episodes), min(threads, episodes))]
     worlds = [domain.world(task, min(share, lanes or MAX_LANES), seed) for share in shares]
     started = time.perf_counter()
-    # Products of these sizes are too small to share: on a machine that does anything else, threads wait for each other.
-    with threadpool_limits(limits=1, user_api="blas"):
-        results = fly_in_parts(act, worlds, first_episode, shares, progress)
+    results = fly_in_parts(act, worlds, first_episode, shares, progress)
     elapsed_s = time.perf_counter() - started
     return _summary(policy, task, domain, seed, results, elapsed_s)
 

@@ -42,6 +42,13 @@ INHERITED = (
     "XDG_CACHE_HOME",
     "CUDA_VISIBLE_DEVICES",
     "WARP_CACHE_PATH",
+    # What chooses the order in which a product is summed: results must not depend on which process computes them.
+    "ATEN_CPU_CAPABILITY",
+    "MKL_CBWR",
+    "NPY_DISABLE_CPU_FEATURES",
+    "ONEDNN_MAX_CPU_ISA",
+    "OPENBLAS_CORETYPE",
+    "OPENBLAS_L2_SIZE",
 )
 """Environment variables a training process gets from the one that launches it; no others."""
 

@@ -48,8 +48,11 @@ def test_a_ctrl_c_where_it_was_launched_does_not_reach_a_training(store: RunStor
 
 def test_a_training_process_gets_few_variables_and_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SECRET_TOKEN", "hush")
+    monkeypatch.setenv("OPENBLAS_CORETYPE", "Haswell")
     environment = launcher.environment()
     assert "SECRET_TOKEN" not in environment
+    # Numbers are the same whichever process computes them.
+    assert environment["OPENBLAS_CORETYPE"] == "Haswell"
     assert environment["OMP_NUM_THREADS"] == "1"
 
 

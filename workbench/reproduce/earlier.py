@@ -11,7 +11,7 @@ from sim.errors import UsageError
 from workbench.reproduce.assembly import CURVED
 from workbench.reproduce.matching import Key, training_key
 from workbench.reproduce.plan import CHAIN, Plan, Wanted
-from workbench.reproduce.provenance import Provenance
+from workbench.reproduce.provenance import Provenance, flies_the_same
 from workbench.reproduce.result_file import load
 from workbench.reproduce.result_set import Curve, Number, ResultSet, Training
 from workbench.reproduce.stage_curves import evenly, points_per_curve
@@ -69,7 +69,8 @@ def _refuse_others(plan: Plan, found: ResultSet, origin: Provenance, folder: Pat
         "number of episodes": (found.episodes, plan.episodes),
     }
     for what, (theirs, ours) in theirs_and_ours.items():
-        if theirs != ours:
+        same = flies_the_same(str(theirs), str(ours)) if what == "source" else theirs == ours
+        if not same:
             raise UsageError(
                 f"{folder / f'{plan.item}.json'} cannot be added to: its {what} is {theirs}, this one's {ours}; "
                 "without --add it is made anew"

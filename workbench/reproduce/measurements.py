@@ -14,7 +14,7 @@ from workbench.reproduce.evaluations import Evaluation, Evaluator, FigureKey, fi
 from workbench.reproduce.matching import Key, training_key
 from workbench.reproduce.plan import Plan, Wanted, training_of
 from workbench.reproduce.protocol import ITEMS, LABELS, TASK_LABELS
-from workbench.reproduce.provenance import Provenance, file_digest
+from workbench.reproduce.provenance import Provenance, file_digest, flies_the_same
 from workbench.reproduce.result_file import ResultSetError, load
 from workbench.terminal import percent
 
@@ -94,7 +94,7 @@ def known_figures(folder: Path, origin: Provenance) -> dict[FigureKey, Figures]:
             result = load(folder / f"{item}.json")
         except ResultSetError:
             continue  # what cannot be read is flown again and replaced
-        if result is None or result.source_digest != origin.source_digest:
+        if result is None or not flies_the_same(result.source_digest, origin.source_digest):
             continue
         for number in result.numbers:
             if number.scenario_digest == origin.scenario_digest:
