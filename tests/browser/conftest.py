@@ -15,8 +15,8 @@ from workbench.chromium import MISSING, find_chromium, headless_flags
 # Telemetry and fonts that the Rerun viewer asks for and our content policy refuses; nothing else may be refused.
 # The last is its own complaint of that: recordings are fetched by the page, never by the viewer.
 RERUN_PHONES_HOME = ("tel.rerun.io", "api.github.com", "fonts.googleapis.com", "fonts.gstatic.com", "at __wbg_fetch_")
-# What it says of itself: how its own page starts it, and what the web has no windows for.
-RERUN_WARNS = "/rerun/re_viewer"
+# What it says of itself: how its own page starts it, what the web has no windows for, and that there is no WebGPU.
+RERUN_WARNS = "/rerun/"
 # Chromium asks for it of its own accord, now and then before it has stored the cookie.
 BY_ITSELF = "/favicon.ico"
 PATIENCE_MS = 60_000
