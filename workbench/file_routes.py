@@ -1,4 +1,4 @@
-"""Files that the server hands out: the Rerun viewer under `/rerun/`, recordings under `/rrd/`, two scripts, `/healthz`.
+"""Files that the server hands out: the Rerun viewer under `/rerun/`, recordings under `/rrd/`, scripts, `/healthz`.
 
 Names are matched, never joined: the viewer's files are a fixed list, a recording is one name inside the cache.
 """
@@ -18,7 +18,7 @@ from workbench.viewer_files import FILES, ensure_viewer
 
 Route = tuple[str, type[RequestHandler], dict[str, object]]
 HERE = Path(__file__).parent
-SCRIPTS = ("native_import", "page_exchange")
+SCRIPTS = ("native_import", "figure_layout", "page_exchange")
 """Part of every page, in this order."""
 
 
