@@ -29,6 +29,7 @@ from workbench.pages.compare_settings import CompareSettings, read_settings
 from workbench.pages.compare_words import COMPARE_CSS
 from workbench.pages.one_change import one_change
 from workbench.pages.waiting import waiting
+from workbench.pages.wrapping import wrapping
 from workbench.scenarios import scenario_choices
 
 TICK_MS = 250
@@ -71,8 +72,8 @@ class ComparePage:
         self._queue.leave(self)
 
     def _arrange(self) -> pn.viewable.Viewable:
-        def row(items: list[pn.viewable.Viewable]) -> pn.FlexBox:
-            return pn.FlexBox(*items, gap="14px", align_items="end", sizing_mode="stretch_width", margin=0)
+        def row(items: list[pn.viewable.Viewable]) -> pn.viewable.Viewable:
+            return wrapping(*items, gap="14px", align="end")
 
         return pn.Column(
             row(self._controls.what), row([*self._controls.how, *self._progress.items]), self._alert,

@@ -20,6 +20,7 @@ from workbench.launcher import drain
 from workbench.pages.curriculum_cost import cost_words, source_words, what_words
 from workbench.pages.curriculum_fields import NATURAL, PROFILES, VARIANTS, make_fields
 from workbench.pages.curriculum_set import CHAIN, STAGE, TrainingSet
+from workbench.pages.wrapping import wrapping
 from workbench.policies import guide_for, natural_guide
 from workbench.runs import Run, RunStore
 from workbench.scenarios import DEFAULT
@@ -59,10 +60,7 @@ class LaunchForm:
 
     def _arrange(self) -> pmui.Column:
         fields = ("what", "profile", "seeds", "guide", "name")
-        row = pn.FlexBox(
-            *(self.widgets[name] for name in fields), gap="14px", align_items="center", margin=0,
-            sizing_mode="stretch_width",
-        )  # fmt: skip
+        row = wrapping(*(self.widgets[name] for name in fields), gap="14px", align="center")
         say = pmui.Column(self._summary, self._measure, margin=0, sizing_mode="stretch_width", sx={"gap": "6px"})
         last = pmui.Row(
             say, self._button, margin=0, sizing_mode="stretch_width", sx={"gap": "18px", "alignItems": "center"}

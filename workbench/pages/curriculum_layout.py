@@ -11,6 +11,7 @@ import panel_material_ui as pmui
 from sim.scenario import Scenario
 from sim.task import Task
 from workbench.pages.curriculum_fields import VARIANT_HELP
+from workbench.pages.wrapping import wrapping
 from workbench.policies import shipped_success
 
 
@@ -39,7 +40,7 @@ def arrange(
     left, right = _column("1 1 560px", task), _column("1 1 560px", curriculum)
     return pn.Column(
         alert,
-        pn.FlexBox(left, right, gap="14px", align_items="stretch", sizing_mode="stretch_width", margin=0),
+        wrapping(left, right, gap="14px", align="stretch"),
         launch, runs, sizing_mode="stretch_width", margin=(12, 18), styles={"gap": "14px"},
     )  # fmt: skip
 

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import panel as pn
 
+from workbench.pages.wrapping import wrapping
+
 OVER = {"position": "absolute", "top": "0", "left": "0", "right": "0", "zIndex": "1", "pointer-events": "none"}
 STAGE_CSS = """
 :host { display: grid !important; grid-template-columns: minmax(0, 1fr) 290px; gap: 14px;
@@ -28,13 +30,11 @@ def arrange(
     """The page: controls, then replay and events (beside it, or below on narrow screens), then the curves."""
     readouts.styles = OVER
     picture = pn.Column(replay, readouts, sizing_mode="stretch_width", margin=0, styles={"position": "relative"})
-    time = pn.FlexBox(
-        *clock, flex_wrap="nowrap", align_items="center", gap="12px", sizing_mode="stretch_width", margin=0
-    )
-    both_cards = pn.FlexBox(*cards, flex_wrap="nowrap", gap="12px", sizing_mode="stretch_width", margin=0)
+    time = wrapping(*clock, gap="12px", align="center", wrap="nowrap")
+    both_cards = wrapping(*cards, gap="12px", wrap="nowrap")
     stage = pn.Column(both_cards, picture, time, sizing_mode="stretch_width", margin=0, styles={"gap": "8px"})
     return pn.Column(
-        pn.FlexBox(*controls, gap="14px", align_items="end", sizing_mode="stretch_width", margin=0),
+        wrapping(*controls, gap="14px", align="end"),
         *notices,
         pn.Row(stage, events, sizing_mode="stretch_width", margin=0, stylesheets=[STAGE_CSS]),
         stick,

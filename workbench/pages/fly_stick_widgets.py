@@ -10,6 +10,7 @@ import panel_material_ui as pmui
 from workbench.pages.fly_stick_card import BRANCH_CARD_CSS
 from workbench.pages.fly_stick_dial import HeadingDial
 from workbench.pages.fly_stick_moment import StickMoment
+from workbench.pages.wrapping import wrapping
 
 HOLD = ""
 """Who flies on after a person when nobody does: the last heading is held."""
@@ -71,19 +72,13 @@ class StickWidgets:
             self.moment.over = self.take.disabled = self.steer.disabled = over
 
     def _rows(self) -> tuple[pn.viewable.Viewable, ...]:
-        look = {
-            "flex_wrap": "wrap",
-            "gap": "12px",
-            "align_items": "center",
-            "sizing_mode": "stretch_width",
-            "margin": 0,
-        }
+        look = {"gap": "12px", "align": "center"}
         title = pn.pane.HTML(TITLE, margin=0, sizing_mode=None, styles={"font-size": "14px", "white-space": "nowrap"})
-        choice = pn.FlexBox(title, self.of, self.moment, self.who, self.take, self.steer, styles=BOX, **look)
-        ends = pn.FlexBox(self.heir, self.hand_over, self.cancel, **look)
+        choice = wrapping(title, self.of, self.moment, self.who, self.take, self.steer, styles=BOX, **look)
+        ends = wrapping(self.heir, self.hand_over, self.cancel, **look)
         live = pn.Column(self.dial, ends, sizing_mode="stretch_width", margin=0, styles=BOX)
         buttons = pn.Row(self.steer_on, self.back, margin=0, sizing_mode=None, styles={"gap": "8px"})
-        return choice, live, pn.FlexBox(self.card, buttons, **look)
+        return choice, live, wrapping(self.card, buttons, **look)
 
 
 STEER_ON_HELP = "Steer on: take the stick again where the clock is, or at last where you handed over"

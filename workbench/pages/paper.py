@@ -36,6 +36,7 @@ from workbench.pages.paper_view import (
     prepare,
 )
 from workbench.pages.waiting import waiting
+from workbench.pages.wrapping import wrapping
 from workbench.reproduce.protocol import LABELS, TRAINED_FOR
 
 TICK_MS = 1000
@@ -174,8 +175,8 @@ class PaperPage:
             shown = map_pane(prepared.maps) if prepared.maps else self._sheet(empty_words(item, None))
             return [head(section), panel(shown), panel(self._numbers), self._made_by()]
         points = panel(self._sheet(prepared.points))
-        beside = pn.FlexBox(column("1 1 560px", points), column("1 1 340px", self._made_by()), gap="12px",
-                            align_items="stretch", sizing_mode="stretch_width", margin=0)  # fmt: skip
+        made_by = column("1 1 340px", self._made_by())
+        beside = wrapping(column("1 1 560px", points), made_by, gap="12px", align="stretch")
         return [head(section), self._figure(prepared), beside, panel(self._numbers)]
 
     def _sheet(self, blocks: Any) -> PaperSheet:

@@ -17,6 +17,7 @@ from workbench.pages.paper_sections import NAMES, Section, overview_blocks
 from workbench.pages.paper_settings import table1_blocks, table2_blocks, table3_blocks
 from workbench.pages.paper_sheet import Block, PaperSheet, command, heading, words
 from workbench.pages.paper_sources import Record, records
+from workbench.pages.wrapping import wrapping
 from workbench.reproduce.protocol import Item
 from workbench.reproduce.result_set import ResultSet
 
@@ -109,7 +110,7 @@ def charts(prepared: Prepared) -> list[Any]:
         ]
         row = pn.Row(*panes, margin=0, sizing_mode="stretch_width", styles={"gap": "10px"})
         pairs.append(pn.Column(row, margin=0, styles={"flex": "1 1 940px", "min-width": "0"}))
-    box = pn.FlexBox(*pairs, gap="10px", sizing_mode="stretch_width", margin=0)
+    box = wrapping(*pairs, gap="10px")
     caption = PaperSheet(blocks=[words(prepared.drawn.caption, "quiet")], margin=0, sizing_mode="stretch_width")
     return [box, caption]
 

@@ -16,6 +16,7 @@ from workbench.pages.runs_baseline import EXPERT_SHORT, expert_rate
 from workbench.pages.runs_groups import Group
 from workbench.pages.runs_metrics import RATES, X_LABELS, Look, RunMetrics, curve_of, group_curve, metrics_of
 from workbench.pages.runs_settings import EXPERT, METRICS, NO_BASELINE, STAGES, X_AXES, RunsSettings
+from workbench.pages.wrapping import wrapping
 from workbench.run_index.record import RunRecord
 
 MOST_MEMBERS = 30
@@ -143,10 +144,8 @@ class RunsCurves:
         self._key = pn.pane.HTML("", stylesheets=[CURVES_CSS], sizing_mode="stretch_width", margin=0)
         self._panes = [pn.pane.Bokeh(each.figure, sizing_mode="stretch_width", margin=0) for each in self._figures]
         self._make_controls(settings, on_change)
-        figures = pn.FlexBox(
-            *(pmui.Column(pane, margin=0, styles={"flex": "1 1 380px", "min-width": "0"}) for pane in self._panes),
-            gap="8px", sizing_mode="stretch_width", margin=0,
-        )  # fmt: skip
+        flex = {"flex": "1 1 380px", "min-width": "0"}
+        figures = wrapping(*(pmui.Column(pane, margin=0, styles=flex) for pane in self._panes), gap="8px")
         self._plots = pn.Column(figures, sizing_mode="stretch_width", margin=0, visible=False)
         self.layout = pn.Column(self._controls, self._key, self._plots, sizing_mode="stretch_width", margin=0,
                                 styles={"gap": "8px"})  # fmt: skip
@@ -166,9 +165,7 @@ class RunsCurves:
         for name, widget in self._widgets.items():
             what = "value_throttled" if name == "smooth" else "value"
             widget.param.watch(lambda _event: self._heard(on_change), what)
-        self._controls = pn.FlexBox(
-            *self._widgets.values(), gap="8px 10px", sizing_mode="stretch_width", margin=0, align_items="center"
-        )
+        self._controls = wrapping(*self._widgets.values(), gap="8px 10px", align="center")
         self._quiet = False
 
     def _heard(self, on_change: Callable[..., None]) -> None:

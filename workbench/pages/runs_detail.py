@@ -16,6 +16,7 @@ from layouts.theme import FAILURE, NEUTRAL
 from sim.errors import SubMasError
 from workbench.pages.address import fly_address
 from workbench.pages.live_cards import STATE_COLOURS
+from workbench.pages.wrapping import wrapping
 from workbench.run_index.record import UNREADABLE, RunRecord
 from workbench.run_notes import NOTE_LIMIT, RunNotes, parse_tags
 from workbench.run_state import ACTIVE, RESUMABLE
@@ -70,7 +71,7 @@ class RunsDetail:
         for name, button in acting.items():
             button.on_click(lambda _event, name=name: act(name))
         every = (self.open, self.fly, *acting.values())
-        self._buttons = pn.FlexBox(*every, gap="8px", sizing_mode="stretch_width", margin=0)
+        self._buttons = wrapping(*every, gap="8px")
 
     def _make_notes(self) -> None:
         self._tags = pmui.TextInput(

@@ -8,12 +8,14 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from workbench.pages.wrapping import wrapping
+
 
 def beside(left: Sequence[Any], right: Any) -> pn.viewable.Viewable:
     """Curves and difference over each other, and beside them, or below where it is narrow, the panel of the run."""
     wide = pmui.Column(*left, margin=0, sx={"gap": "12px"}, styles={"flex": "3 1 560px", "min-width": "0"})
     narrow = pmui.Column(right, margin=0, styles={"flex": "2 1 340px", "min-width": "0"})
-    return pn.FlexBox(wide, narrow, gap="12px", sizing_mode="stretch_width", margin=0)
+    return wrapping(wide, narrow, gap="12px")
 
 
 def difference_title(every_field: Any) -> pmui.Row:
