@@ -31,24 +31,16 @@ def await_ends(engine: Engine, *runs: Run) -> None:
 
 
 def trainings(run: Run) -> list[psutil.Process]:
-    """The training processes of a run, wherever their folder is."""
-    return [process for process in _ours() if "--held" in process.cmdline() and _names(process, run)]
+    """The training processes of a run that this process or one of its children started, wherever their folder is."""
+    return [process for process in psutil.Process().children(recursive=True) if _trains(process, run)]
 
 
-def _names(process: psutil.Process, run: Run) -> bool:
-    return any(word.endswith(f"/{run.id}") for word in process.cmdline())
-
-
-def _ours() -> list[psutil.Process]:
-    """Everything this process has started, also what those have started."""
-    found = []
-    for process in psutil.Process().children(recursive=True):
-        try:
-            process.cmdline()
-            found.append(process)
-        except psutil.Error:
-            continue
-    return found
+def _trains(process: psutil.Process, run: Run) -> bool:
+    try:
+        words = process.cmdline()
+    except psutil.Error:
+        return False  # it has ended since it was listed
+    return "--held" in words and any(word.endswith(f"/{run.id}") for word in words)
 
 
 def kill_worker(run: Run) -> None:
