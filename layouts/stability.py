@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import fill
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,8 @@ from layouts.theme import FAILURE, POLICY_A
 
 ACROSS: Final = 4
 PANEL_IN: Final = (2.9, 1.9)
+TITLE_WIDTH: Final = 36
+"""Letters that fit over a panel."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,7 @@ def picture(panels: Sequence[Panel]) -> bytes:
         (width, height),
     )
     figure.subplots_adjust(
-        left=0.5 / width, right=1 - 0.15 / width, top=1 - 0.75 / height, bottom=0.7 / height, hspace=0.45, wspace=0.16
+        left=0.5 / width, right=1 - 0.15 / width, top=1 - 0.75 / height, bottom=0.7 / height, hspace=0.6, wspace=0.16
     )
     axes = figure.subplots(down, ACROSS, sharex=True, sharey=True, squeeze=False).ravel()
     for place, panel in zip(axes, panels, strict=False):
@@ -52,7 +55,7 @@ def picture(panels: Sequence[Panel]) -> bytes:
 
 def _draw(axes: Axes, panel: Panel) -> None:
     plain(axes)
-    name(axes, panel.title)
+    name(axes, fill(panel.title, TITLE_WIDTH))
     axes.title.set_fontsize(8.5)
     for epochs, success in panel.seeds:
         axes.plot(epochs, success, color=POLICY_A, linewidth=0.9, alpha=0.55)
