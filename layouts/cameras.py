@@ -20,6 +20,9 @@ HEADROOM_KM = 34.0
 BEHIND_KM = 42.0
 ABOVE_KM = 17.0
 AHEAD_KM = 12.0
+FOOT = 0.72
+"""How far below the middle of the view the front edge is set, of half the height: the room above is for read-outs."""
+
 LOOKBACK_S = 26.0
 
 Vector = NDArray[np.float64]
@@ -40,7 +43,18 @@ def overview(width_km: float, depth_km: float, aspect: float, top: bool = False)
     wide = width_km * 1.03 / 2 / (half_view * max(aspect, 0.5)) + near
     high = (depth_km * math.sin(tilt) + HEADROOM_KM * math.cos(tilt)) * 1.06 / 2 / half_view + near
     target = np.array([0.0, 0.0, 8.0 if top else 12.0])
-    return target + max(wide, high) * np.array([0.0, -math.cos(tilt), math.sin(tilt)]), target
+    backward = np.array([0.0, -math.cos(tilt), math.sin(tilt)])
+    shift = _shift(target, max(wide, high) * backward, depth_km)
+    return target + shift + max(wide, high) * backward, target + shift
+
+
+def _shift(target: Vector, back: Vector, depth_km: float) -> Vector:
+    """What moves the view upwards until the front edge of the battlefields stands at its foot."""
+    distance = float(np.linalg.norm(back))
+    forward = -back / distance
+    up = np.cross([1.0, 0.0, 0.0], forward)
+    edge = np.array([0.0, -depth_km / 2, 0.0]) - target - back
+    return max(0.0, edge @ up + FOOT * (edge @ forward) * math.tan(FIELD_OF_VIEW_RAD / 2)) * up
 
 
 def chase(evader: Motion, time_s: float) -> tuple[Vector, Vector]:

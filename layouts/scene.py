@@ -118,7 +118,17 @@ def add_flight(
     parts.append(("interceptor", interceptor, INTERCEPTOR, np.inf, "interceptor" if letter else "", 0.0))
     bodies = [
         add_body(
-            server, f"{name}/{part}", path, craft, size, scene_ink(ink, look), look, gone, text=text, beams_km=beams_km
+            server,
+            f"{name}/{part}",
+            path,
+            craft,
+            size,
+            scene_ink(ink, look),
+            look,
+            gone,
+            text=text,
+            beams_km=beams_km,
+            text_at="bottom-right" if part == "evader" else "bottom-left",
         )
         for part, path, ink, gone, text, beams_km in parts
         if path.flies

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import viser
@@ -26,6 +26,8 @@ BEAM_KM = 24.0
 BEAM_DASHES = 9
 LABEL_SCALE = 0.8
 NOWHERE = np.zeros(3)
+Corner = Literal["bottom-left", "bottom-right", "top-right"]
+"""Which corner of a name stands at its place: an evader's, a missile's and a miss distance meet there, and differ."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,7 @@ class Mark:
 def add_body(
     server: viser.ViserServer, name: str, path: Motion, mesh: Mesh, size_km: float, ink: Rgb, look: Ground,
     gone_after_s: float, text: str = "", energy: NDArray[np.float64] | None = None,
-    seen_from: Motion | None = None, beams_km: float = 0.0,
+    seen_from: Motion | None = None, beams_km: float = 0.0, text_at: Corner = "bottom-left",
 ) -> Body:  # fmt: skip
     """Add a body with its path, trail and drop line; name, line of sight and beam lines where they are asked for.
 
@@ -152,6 +154,7 @@ def add_body(
         energy: energy share `[N]` at the samples of its motion.
         seen_from: the evader, for a line of sight.
         beams_km: length of the beam lines; none when 0.
+        text_at: the corner of its name that stands at the body.
     """
     faint = blend(ink, look.field, look.faint)
     whole = path.position(_path_times(path))
@@ -164,7 +167,7 @@ def add_body(
     )  # fmt: skip
     return Body(
         path, shape, tail, drop, gone_after_s, way,
-        label=_add_label(server, f"{name}/name", text, np.zeros(3)) if text else None,
+        label=_add_label(server, f"{name}/name", text, np.zeros(3), text_at) if text else None,
         beams=_add_beams(server, f"{name}_beams", beams_km, ink, look) if beams_km else None,
         sight=_add_sight(server, f"{name}_sight", path, seen_from, ink, look) if seen_from else None,
         seen_from=seen_from,
@@ -176,7 +179,8 @@ def add_label_mark(
     server: viser.ViserServer, name: str, text: str, position_km: NDArray, time_s: float, lasting_s: float
 ) -> Mark:
     """Words that appear at a time [s], stay for a while and go."""
-    return Mark(time_s, _add_label(server, name, text, position_km, visible=False), time_s + lasting_s, is_label=True)
+    label = _add_label(server, name, text, position_km, "top-right", visible=False)
+    return Mark(time_s, label, time_s + lasting_s, is_label=True)
 
 
 def set_visible(handle: Any, visible: bool) -> None:
@@ -221,9 +225,11 @@ def _segment_colours(points: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.stack([points[:-1], points[1:]], axis=1)
 
 
-def _add_label(server: viser.ViserServer, name: str, text: str, position_km: NDArray, visible: bool = True) -> Any:
+def _add_label(
+    server: viser.ViserServer, name: str, text: str, position_km: NDArray, corner: Corner, visible: bool = True
+) -> Any:
     return server.scene.add_label(
-        name, text, position=tuple(position_km), anchor="bottom-left", font_screen_scale=LABEL_SCALE, visible=visible
+        name, text, position=tuple(position_km), anchor=corner, font_screen_scale=LABEL_SCALE, visible=visible
     )
 
 

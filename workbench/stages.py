@@ -1,4 +1,4 @@
-"""What each stage of a training has reached, from its metrics."""
+"""What each stage of a training has reached, from its metrics, and how it ended, from its events."""
 
 from __future__ import annotations
 
@@ -20,3 +20,14 @@ def summarise(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
         # The learner's clock starts anew with every stage.
         stage.update(epochs=row["epoch"], success_rate=max(rates, default=None), wall_s=row.get("wall_s") or 0.0)
     return [stages[number] for number in sorted(stages)]
+
+
+def end_of(events: Iterable[Mapping[str, Any]], task: str) -> Mapping[str, Any] | None:
+    """The event that says how the stage of `task` ended, the last one if it ended more than once; None before."""
+    ended = [event for event in events if event.get("kind") == "stage_finished" and event.get("task") == task]
+    return ended[-1] if ended else None
+
+
+def promoted(end: Mapping[str, Any]) -> bool:
+    """Whether a stage ended because its policy passed, and not because its epochs ran out."""
+    return "held-out evaluations" in str(end.get("reason", ""))

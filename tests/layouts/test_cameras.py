@@ -36,6 +36,17 @@ def test_the_overview_holds_all_corners(aspect: float, top: bool) -> None:
                 assert abs(upward) < 1.12
 
 
+@pytest.mark.parametrize("aspect", [1.0, 2.0, 3.4])
+@pytest.mark.parametrize("top", [False, True])
+def test_spare_height_is_above_the_battlefields_where_read_outs_stand(aspect: float, top: bool) -> None:
+    width, depth = 484.0, 60.0
+    position, target = overview(width, depth, aspect, top)
+    _, foot = _seen(position, target, np.array([0.0, -depth / 2, 0.0]), aspect)
+    _, head = _seen(position, target, np.array([0.0, depth / 2, 12.0]), aspect)
+    assert foot == pytest.approx(-0.72)
+    assert head < 0.3
+
+
 def test_the_chase_camera_is_behind_and_above_and_looks_ahead() -> None:
     flight = sample_flight()
     path = motion(flight.evader, flight.time_s, 4.0, np.zeros(3))

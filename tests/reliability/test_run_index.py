@@ -55,7 +55,9 @@ def test_it_lists_what_the_folders_say(made: RunStore) -> None:
         record, config, state = records[run.id], run.config, run.state
         assert (record.name, record.seed, record.variant) == (config.name, config.seed, config.variant)
         assert (record.state, record.success) == (state.state, state.best_success_rate)
-        assert (record.epochs, record.env_steps) == (run.metrics()[-1]["epoch"], run.metrics()[-1]["env_steps"])
+        rows = run.metrics()
+        last_of_stages = {row["stage"]: row["env_steps"] for row in rows}
+        assert (record.epochs, record.steps) == (rows[-1]["epoch"], sum(last_of_stages.values()))
 
 
 def _by_hand(records: list[RunRecord], search: RunSearch) -> set[str]:
@@ -101,7 +103,7 @@ def test_every_order_is_an_order_and_what_is_unknown_comes_last(sort: str, made:
     records = _index(made).find(RunSearch(sort=sort))
     assert len(records) == COUNT + 1
     name = sort.removeprefix("-")
-    columns = {"started": "when", "return": "mean_return", "steps": "env_steps", "time": "wall_s"}
+    columns = {"started": "when", "return": "mean_return", "time": "wall_s"}
     values = [getattr(record, columns.get(name, name)) for record in records]
     known = [value for value in values if value is not None and (name != "name" or value)]
     if name != "task":
@@ -204,14 +206,15 @@ def test_one_bad_run_never_hides_the_others(fault: str, made: RunStore) -> None:
 
 @pytest.mark.parametrize(
     "metrics",
-    [b"\x00" * 2**20, b"[1]\n", b'{"epoch": 1e400, "env_steps": true}\n', b'{"env_steps": 1' + b"0" * 40 + b"}\n"],
+    [b"\x00" * 2**20, b"[1]\n", b'{"epoch": 1e400, "env_steps": true}\n', b'{"env_steps": 1' + b"0" * 40 + b"}\n",
+     b'{"stage": {}, "env_steps": 3}\n{"stage": [1], "env_steps": null}\nx\n{"stage": 2, "env_steps": 7}\n'],
 )
 def test_metrics_that_are_nonsense_are_no_figures(metrics: bytes, made: RunStore) -> None:
     run = made.create(TrainingConfig())
     (run.path / "metrics.jsonl").write_bytes(metrics)
     write_json(run.path / "policy.json", {"evaluation": {"mean_return": "<b>"}})
     record = _index(made).find(RunSearch(run.id))[0]
-    assert (record.epochs, record.env_steps, record.mean_return) == (None, None, None)
+    assert (record.epochs, record.steps, record.mean_return) == (None, None, None)
     assert not record.problem
 
 

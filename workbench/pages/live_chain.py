@@ -19,6 +19,7 @@ from sim.task import Task
 from workbench.pages.curriculum_cards import title
 from workbench.pages.live_promotion import never_promotes, passed, percent_short, rule_words
 from workbench.run_state import RunState
+from workbench.stages import end_of, promoted
 from workbench.terminal import duration, percent
 
 WORDS = {"now": "learning", "halted": "halted", "waiting": "waits"}
@@ -72,7 +73,7 @@ def _card(learned: Learned, number: int, task: Task) -> dict[str, Any]:
     config, state = learned.config, learned.state
     begun = learned.stages[number] if number < len(learned.stages) else None
     kind = _kind(state, number, len(learned.stages))
-    end = _end_of(learned, task) if kind == "done" else None
+    end = end_of(learned.events, task.name) if kind == "done" else None
     kind, word = _verdict(end, config.hyperparameters) if kind == "done" else (kind, WORDS[kind])
     before = set(config.stages[number - 1]) if number else set()
     every = range(1, task.scenario.launch.missiles + 1)
@@ -103,21 +104,11 @@ def _kind(state: RunState, number: int, begun: int) -> str:
     return "now" if state.state in ("running", "stalled") else "halted"
 
 
-def _end_of(learned: Learned, task: Task) -> Mapping[str, Any] | None:
-    """The event that says how the task's stage ended."""
-    ended = [e for e in learned.events if e.get("kind") == "stage_finished" and e.get("task") == task.name]
-    return ended[-1] if ended else None
-
-
 def _verdict(end: Mapping[str, Any] | None, hyper: Hyperparameters) -> tuple[str, str]:
     """Kind and word of a stage that has ended: `spent` if there was a rule to pass, and its epochs ran out before."""
     if end is None or never_promotes(hyper):
         return "done", "done"
-    return ("done", "passed") if _promoted(end) else ("spent", "not passed")
-
-
-def _promoted(end: Mapping[str, Any]) -> bool:
-    return "held-out evaluations" in str(end.get("reason", ""))
+    return ("done", "passed") if promoted(end) else ("spent", "not passed")
 
 
 def _guide(learned: Learned, number: int, task: Task) -> str:
@@ -177,5 +168,5 @@ def _promotion(
 def _ended(event: Mapping[str, Any]) -> str:
     """How a stage ended: `promoted`, or the reason, and what its policy is worth."""
     rate = event.get("success_rate")
-    words = "promoted" if _promoted(event) else f"ended: {event.get('reason', '')}"
+    words = "promoted" if promoted(event) else f"ended: {event.get('reason', '')}"
     return f"{words}; {percent(rate)} of fresh episodes" if isinstance(rate, int | float) else words

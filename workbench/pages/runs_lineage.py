@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from typing import Any
 
 from layouts.run_lineage import Link, lineage
 from layouts.theme import NEUTRAL, POLICY_A, SUCCESS
 from sim.errors import SubMasError, shorten
 from workbench.pages.address import search
+from workbench.pages.live_promotion import never_promotes
 from workbench.policies import EXPERTS, SHIPPED_LABELS, natural_guide
 from workbench.run_folder import RUN_ID
 from workbench.run_index.index import RunIndex
 from workbench.run_index.query import RunSearch
 from workbench.run_index.record import RunRecord
 from workbench.runs import Run
-from workbench.stages import summarise
+from workbench.stages import end_of, promoted, summarise
 from workbench.terminal import percent
 
 MOST_ANCESTORS = 8
@@ -60,15 +63,21 @@ def _run_link(record: RunRecord) -> Link:
 
 def _stages(run: Run) -> list[Link]:
     try:
-        learned = summarise(run.metrics())
+        learned, events = summarise(run.metrics()), run.events()
+        never = never_promotes(run.config.hyperparameters)
     except (SubMasError, KeyError, TypeError):  # rows of another program, or damaged ones
-        learned = []
+        learned, events, never = [], [], True
     if not learned:
         return [Link("no stage yet", ink=NEUTRAL, here=True)]
-    return [
-        Link(str(stage["task"]), f"{percent(stage['success_rate'])} · {stage['epochs']} epochs", ink=SUCCESS, here=True)
-        for stage in learned
-    ]
+    return [_stage_link(stage, None if never else end_of(events, str(stage["task"]))) for stage in learned]
+
+
+def _stage_link(stage: Mapping[str, Any], end: Mapping[str, Any] | None) -> Link:
+    """A stage; grey if it ended without having passed."""
+    words = [percent(stage["success_rate"]), f"{stage['epochs']} epochs"]
+    failed = end is not None and not promoted(end)
+    words += ["not passed"] if failed else []
+    return Link(str(stage["task"]), " · ".join(words), ink=NEUTRAL if failed else SUCCESS, here=True)
 
 
 def _after(record: RunRecord, index: RunIndex) -> list[Link]:

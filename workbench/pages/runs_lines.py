@@ -126,7 +126,7 @@ def _figures(record: RunRecord, settings: RunsSettings) -> dict[str, Any]:
         "gap": "" if gap is None else f"{100 * gap:+.1f}".replace("-", "−"),
         "return": "–" if record.mean_return is None else f"{record.mean_return:.0f}".replace("-", "−"),
         "progress": round(record.progress, 3),
-        "steps": _count_words(record.env_steps),
+        "steps": _count_words(record.steps),
         "time": duration(record.wall_s) if record.wall_s else "–",
         "started": record.when[:16].replace("T", " "),
     }

@@ -21,7 +21,7 @@ SORTS: Final[Mapping[str, str]] = types.MappingProxyType(
         "seed": "seed",
         "success": "success",
         "return": "mean_return",
-        "steps": "env_steps",
+        "steps": "steps",
         "time": "wall_s",
     }
 )

@@ -59,8 +59,8 @@ class RunRecord:
     created: str = ""
     started: str = ""
     wall_s: float = 0.0
-    env_steps: int | None = None
-    """Decision steps of the latest stage."""
+    steps: int | None = None
+    """Decision steps of all stages so far."""
     epochs: int | None = None
     """Epochs of the latest stage."""
     error: str = ""
@@ -146,11 +146,21 @@ def _reached(run: Run) -> dict[str, Any]:
         "created": state.created,
         "started": state.started,
         "wall_s": float(state.wall_s),
-        "env_steps": _whole(last.get("env_steps")),
+        "steps": _steps(run, last),
         "epochs": _whole(last.get("epoch")),
         "error": state.error,
         "has_policy": int(run.policy_path() is not None),
     }
+
+
+def _steps(run: Run, last: dict[str, Any]) -> int | None:
+    """Decision steps of all stages; each counts its own, so that more than the last row is read where there are more."""
+    if not last.get("stage"):
+        return _whole(last.get("env_steps"))
+    with contextlib.suppress(RunFileError):
+        of_stages = {str(row.get("stage")): _whole(row.get("env_steps")) or 0 for row in run.metrics()}
+        return _whole(sum(of_stages.values()))
+    return None
 
 
 def _card_return(path: Path) -> float | None:

@@ -13,6 +13,7 @@ import pytest
 
 from agents.config import TrainingConfig
 from agents.statistics import bootstrap
+from layouts.theme import SUCCESS
 from tests.workbench.pages.page_sessions import do
 from workbench.bench.runs import make_runs
 from workbench.context import AppContext
@@ -31,6 +32,8 @@ from workbench.run_state import RunState
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 COUNT = 40
+ENDS = {"source-3": "2 held-out evaluations at 99.0%: 99.5%, 100.0%", "source-2": "all 100 epochs done"}
+"""How stages end: task and reason."""
 
 
 @pytest.fixture
@@ -276,6 +279,15 @@ def test_lineage_leads_from_guide_to_guide(many: AppContext) -> None:
     assert [shown[third.id].find(f"/runs?run={run.id}") for run in (third, third)] == [-1, -1]
     assert -1 < shown[third.id].find(f"run={first.id}") < shown[third.id].find(f"run={second.id}")
     assert not any("<img" in each for each in shown.values())
+
+
+def test_a_stage_that_ran_out_of_epochs_is_told_from_one_that_passed(app: AppContext) -> None:
+    run = app.store.create(TrainingConfig(curriculum=True))
+    for number, (task, reason) in enumerate(ENDS.items()):
+        append_line(run.path / "metrics.jsonl", {"stage": number, "task": task, "epoch": 9, "success_rate": 0.5})
+        append_line(run.path / "events.jsonl", {"kind": "stage_finished", "task": task, "reason": reason})
+    stages = below(opened(app, run=run.id)).detail._panes["lineage"].object.split("<li")[2:]
+    assert [("not passed" in stage, SUCCESS in stage) for stage in stages] == [(False, True), (True, False)]
 
 
 def test_runs_that_guide_each_other_end_somewhere(app: AppContext) -> None:
