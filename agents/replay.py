@@ -57,6 +57,9 @@ class Replay:
         self.filled = 0
         self.next_slot = 0
         self.rows = torch.empty((self.slots * lanes, 2 * features + SCALARS), dtype=torch.float32)
+        # A return of many steps reads only these: apart they are a tenth of the memory, and of the time.
+        self._scalars = torch.empty((self.slots * lanes, SCALARS - 1), dtype=torch.float32)
+        """All of a transition's scalars but the action, once more, by themselves."""
 
     @property
     def size(self) -> int:
@@ -81,6 +84,7 @@ class Replay:
         block = np.concatenate((features, scalars, next_features), axis=1, dtype=np.float32)
         first = self.next_slot * self.lanes
         self.rows[first : first + self.lanes] = torch.from_numpy(block)
+        self._scalars[first : first + self.lanes] = torch.from_numpy(scalars[:, 1:])
         self._count(self.added + 1)
 
     def _count(self, added: int) -> None:
@@ -118,7 +122,10 @@ class Replay:
 
     def _put(self, first: int, rows: Tensor) -> None:
         numbers = torch.arange(first, first + len(rows) // self.lanes) % self.slots
-        self.rows.view(self.slots, self.lanes, -1)[numbers] = rows.view(len(numbers), self.lanes, -1)
+        by_slot = rows.view(len(numbers), self.lanes, -1)
+        self.rows.view(self.slots, self.lanes, -1)[numbers] = by_slot
+        scalars = slice(self.features + 1, self.features + SCALARS)
+        self._scalars.view(self.slots, self.lanes, -1)[numbers] = by_slot[..., scalars]
 
     def minibatches(
         self, count: int, batch_size: int, steps: int, gamma: float, generator: torch.Generator
@@ -139,13 +146,15 @@ class Replay:
     def batch(self, paths: Tensor, gamma: float) -> Batch:
         """Transitions along rows `[K, n]` of consecutive steps, cut where an episode is over."""
         f = self.features
-        scalars = self.rows[:, f + 1 : f + SCALARS][paths.flatten()].view(*paths.shape, SCALARS - 1)
+        # index_select copies row by row, several times as fast as indexing, which goes number by number.
+        scalars = self._scalars.index_select(0, paths.flatten()).view(*paths.shape, SCALARS - 1)
         reward, imitation, terminated, over = scalars.unbind(dim=2)
         running = torch.cat((torch.ones_like(over[:, :1]), (1.0 - over[:, :-1]).cumprod(dim=1)), dim=1)
         weights = running * gamma ** torch.arange(paths.shape[1])
         length = running.sum(dim=1).long()
         last = length[:, None] - 1
         discount = (1.0 - terminated.gather(1, last)[:, 0]) * gamma**length
-        head, tail = self.rows[paths[:, 0]], self.rows[paths.gather(1, last)[:, 0]]
+        head = self.rows.index_select(0, paths[:, 0])
+        tail = self.rows.index_select(0, paths.gather(1, last)[:, 0]) if paths.shape[1] > 1 else head
         sums = (weights * reward).sum(dim=1), (weights * imitation).sum(dim=1)
         return Batch(head[:, :f], head[:, f : f + 1], *sums, discount, tail[:, f + SCALARS :])

@@ -110,10 +110,16 @@ class Td3:
         hyper, shape = self.hyper, batch.action.shape
         noise = torch.randn(shape, generator=self.generator) * (hyper.target_noise / self.action_limit)
         bound = hyper.target_noise_clip / self.action_limit
-        action = self.target_actor(batch.next_features).add_(noise.clamp_(-bound, bound)).clamp_(-1.0, 1.0)
-        first, second = self.target_critics(batch.next_features, action)
+        action = self._target_actions(batch.next_features).add_(noise.clamp_(-bound, bound)).clamp_(-1.0, 1.0)
+        first, second = self._target_returns(batch.next_features, action)
         next_value = clipped_double_q(first, second, weights)
         return td_target(self.rewards(batch, alpha), batch.discount, next_value)
+
+    def _target_actions(self, features: Tensor) -> Tensor:
+        return self.target_actor(features)
+
+    def _target_returns(self, features: Tensor, action: Tensor) -> tuple[Tensor, Tensor]:
+        return self.target_critics(features, action)
 
     def _update_critics(self, batch: Batch, alpha: float, weights: Tensor) -> None:
         y = self.targets(batch, alpha, weights)

@@ -15,18 +15,17 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from agents.layers import Layer, layers_of
 from agents.networks import Critic
 from agents.replay import SCALARS
 from agents.resume import take_snapshot
 from agents.snapshot import Snapshot
 from agents.stacked.learner import StackedTd3
-from agents.stacked.parameters import Layer, layers_of
 from agents.stacked.replay import StackedReplay
 from agents.stacked.stack import Stack
 from agents.stage import Stage
 from agents.task import FloatArray, IntArray
-from agents.td3 import Td3
-from agents.td3_fast import FastTd3, flatten
+from agents.td3_fast import FastTd3
 from agents.training_state import TrainingState
 
 
@@ -124,11 +123,12 @@ def _fill_network(module: nn.Module, layers: list[Layer], index: int, inputs: li
 
 def _flat(like: nn.Module, rows: Tensor, stack: StackedTd3, columns: IntArray) -> Tensor:
     """Moments `[twins, P]` in the order in which `FastTd3` keeps its flat parameters."""
-    fresh = Td3(len(columns), stack.hyper, stack.action_limit, 0)
-    module = fresh.actor if len(rows) == 1 else fresh.critics
+    fresh = FastTd3(len(columns), stack.hyper, stack.action_limit, 0)
+    actor = len(rows) == 1
+    module, flat = (fresh.actor, fresh.flat_actor) if actor else (fresh.critics, fresh.flat_critics)
     assert type(module) is type(like)
     _fill(module, rows, stack, columns)
-    return flatten(module).detach().clone()
+    return flat.values.detach().clone()
 
 
 def _array(values: Tensor) -> Any:

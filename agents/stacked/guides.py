@@ -14,10 +14,10 @@ import torch
 from torch import Tensor
 
 from agents.expert import NavigationExpert
+from agents.layers import Shape, layers_of
+from agents.passes import actions
 from agents.policy import NetworkPolicy, Policy
 from agents.stacked.encoder import Encoder, feature_names
-from agents.stacked.networks import actions
-from agents.stacked.parameters import Shape, layers_of
 from agents.stacked.residence import Weights, write_weights
 from agents.stage import Stage
 

@@ -14,9 +14,10 @@ import torch
 from torch import Tensor
 
 from agents.hyperparameters import Hyperparameters
+from agents.layers import layers_of, shapes_of
+from agents.passes import action_slope, actions, backward, forward
 from agents.replay import Batch
-from agents.stacked.networks import action_slope, actions, backward, forward
-from agents.stacked.parameters import Group, Shape, layers_of, put_back
+from agents.stacked.parameters import Group, put_back
 
 
 class StackedTd3:
@@ -34,9 +35,7 @@ class StackedTd3:
         """Room for `agents` with `features` inputs; `agents.stacked.residence.move_in` gives each its networks."""
         self.agents, self.features, self.hyper, self.action_limit = agents, features, hyper, action_limit
         self.device, self.dtype = torch.device(device), dtype
-        outputs = 2 if hyper.two_returns else 1
-        actor = Shape((features, *hyper.hidden, 1))
-        critic = Shape((features + 1, *hyper.hidden, outputs), hyper.layer_norm)
+        actor, critic = shapes_of(features, hyper)
         self.actor = Group(agents, 1, actor, self.device, dtype)
         self.critics = Group(agents, 2, critic, self.device, dtype)
         self.target_actor, self.average_actor = (torch.zeros_like(self.actor.values) for _ in range(2))

@@ -4,65 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from itertools import pairwise
 
 import torch
 from torch import Tensor
 from torch.optim.adam import adam
 
+from agents.layers import Shape, layers_of
+
 BETAS = (0.9, 0.999)
 EPSILON = 1e-8
-
-
-@dataclass(frozen=True)
-class Shape:
-    """Widths of a network, inputs to outputs, and whether its hidden layers are normalised."""
-
-    widths: tuple[int, ...]
-    layer_norm: bool = False
-
-    @property
-    def parts(self) -> tuple[tuple[int, int], ...]:
-        """Shapes of all parameters: weight `[in, out]`, bias `[1, out]`, and of a normalisation scale and shift."""
-        found: list[tuple[int, int]] = []
-        for index, (inputs, outputs) in enumerate(pairwise(self.widths)):
-            normed = self.layer_norm and index < len(self.widths) - 2
-            found += [(inputs, outputs), *[(1, outputs)] * (3 if normed else 1)]
-        return tuple(found)
-
-    @property
-    def size(self) -> int:
-        """Number of parameters of one network."""
-        return sum(rows * columns for rows, columns in self.parts)
-
-
-@dataclass(frozen=True)
-class Layer:
-    """One layer of N networks; views."""
-
-    weight: Tensor
-    """`[N, in, out]`"""
-    bias: Tensor
-    """`[N, 1, out]`"""
-    scale: Tensor | None = None
-    """Scale of the normalisation `[N, 1, out]`."""
-    shift: Tensor | None = None
-    """Its shift `[N, 1, out]`."""
-
-
-def layers_of(flat: Tensor, shape: Shape) -> list[Layer]:
-    """Views of rows `[N, P]` as layers, first to last."""
-    views, start = [], 0
-    for rows, columns in shape.parts:
-        stop = start + rows * columns
-        views.append(flat[:, start:stop].view(len(flat), rows, columns))
-        start = stop
-    layers, parts = [], iter(views)
-    for index in range(len(shape.widths) - 1):
-        normed = shape.layer_norm and index < len(shape.widths) - 2
-        layers.append(Layer(*(next(parts) for _ in range(4 if normed else 2))))
-    return layers
 
 
 class Group:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor, nn
 
+from agents.layers import Layer, layers_of
 from agents.networks import Critic
 from agents.stacked.learner import StackedTd3
-from agents.stacked.parameters import Layer, layers_of
 from agents.task import FloatArray, IntArray
 from agents.td3 import Td3
 

@@ -206,8 +206,13 @@ def test_one_bad_run_never_hides_the_others(fault: str, made: RunStore) -> None:
 
 @pytest.mark.parametrize(
     "metrics",
-    [b"\x00" * 2**20, b"[1]\n", b'{"epoch": 1e400, "env_steps": true}\n', b'{"env_steps": 1' + b"0" * 40 + b"}\n",
-     b'{"stage": {}, "env_steps": 3}\n{"stage": [1], "env_steps": null}\nx\n{"stage": 2, "env_steps": 7}\n'],
+    [
+        b"\x00" * 2**20,
+        b"[1]\n",
+        b'{"epoch": 1e400, "env_steps": true}\n',
+        b'{"env_steps": 1' + b"0" * 40 + b"}\n",
+        b'{"stage": {}, "env_steps": 3}\n{"stage": [1], "env_steps": null}\nx\n{"stage": 2, "env_steps": 7}\n',
+    ],
 )
 def test_metrics_that_are_nonsense_are_no_figures(metrics: bytes, made: RunStore) -> None:
     run = made.create(TrainingConfig())

@@ -1,7 +1,8 @@
 """How many gradient steps a second the learner makes here, beside its readable twin and Stable-Baselines3's TD3.
 
-All three have the same sizes and algorithm (Table 2), draw their batches from a full replay, run on one thread with the
-same matrix products and take turns, so that whatever else the machine does slows all.
+All three have the same sizes and algorithm (Table 2), draw their batches from a full replay, run on one thread and take
+turns, so that whatever else the machine does slows all. The learner chooses its matrix products (`agents.numerics`);
+the others are measured as they come, with torch's own, and once more with the same as the learner.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ SLICE_S = 0.4
 UPDATES = 50
 """Updates between two steps of the environment in the paper's profile, and the least that is timed."""
 STORED = 50_000
+OWN = "default"
+"""Route of torch's own matrix products."""
 Progress = Callable[[int, int], None]
 Updates = Callable[[int], None]
 """Makes that many gradient steps."""
@@ -44,9 +47,13 @@ class LearnerCase:
     updates_per_s: float
     """The learner that trains."""
     reference_updates_per_s: float
-    """The same by autograd, `agents.td3.Td3`."""
+    """The same by autograd, `agents.td3.Td3`, with torch's own matrix products."""
     sb3_updates_per_s: float
-    """Stable-Baselines3's TD3."""
+    """Stable-Baselines3's TD3, likewise."""
+    reference_same_products_updates_per_s: float
+    """By autograd with the learner's matrix products: what hand-written gradients alone are worth."""
+    sb3_same_products_updates_per_s: float
+    """Stable-Baselines3's TD3, likewise."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class LearnerBench:
     fast_profile_updates_per_s: float
     """The learner with the profile `fast`: layer norm, two returns, ten-step rewards."""
     matrix_products: str
-    """Route of the matrix products, see `agents.numerics`."""
+    """Route of the learner's matrix products, see `agents.numerics`."""
 
 
 def bench_learner(
@@ -79,8 +86,8 @@ def bench_learner(
     before = torch.get_num_threads()
     route = prepare_torch()
     task = task_for()
-    groups = [_three(task, dataclasses.replace(PAPER, batch_size=batch), stored) for batch in batches]
-    groups.append([our_updates(FastTd3, task, FAST, stored)])
+    groups = [_compared(task, dataclasses.replace(PAPER, batch_size=batch), stored, route) for batch in batches]
+    groups.append([_on(route, our_updates(FastTd3, task, FAST, stored))])
     medians: list[list[float]] = []
     for done, group in enumerate(groups):
         medians.append(_in_turns(group, rounds, slice_s))
@@ -91,9 +98,21 @@ def bench_learner(
     return LearnerBench(cases, medians[-1][0], route)
 
 
-def _three(task: Task, hyper: Hyperparameters, stored: int) -> list[Updates]:
-    ours = [our_updates(learner, task, hyper, stored) for learner in (FastTd3, Td3)]
-    return [*ours, sb3_updates(task, hyper, stored)]
+def _compared(task: Task, hyper: Hyperparameters, stored: int, route: str) -> list[Updates]:
+    """What takes turns, in the order of the rates in `LearnerCase`."""
+    fast, readable = (our_updates(learner, task, hyper, stored) for learner in (FastTd3, Td3))
+    others = readable, sb3_updates(task, hyper, stored)
+    return [_on(route, fast), *(_on(products, other) for products in (OWN, route) for other in others)]
+
+
+def _on(route: str, updates: Updates) -> Updates:
+    """The same with matrix products of this route."""
+
+    def turn(count: int) -> None:
+        prepare_torch(route=route)
+        updates(count)
+
+    return turn
 
 
 def _in_turns(group: list[Updates], rounds: int, slice_s: float) -> list[float]:

@@ -110,10 +110,13 @@ def _learner(device: str, progress: Any) -> dict[str, Any]:
 def _show_learner(figures: dict[str, Any]) -> None:
     from workbench.terminal import print_line, print_table
 
-    names = ("updates_per_s", "reference_updates_per_s", "sb3_updates_per_s")
-    rows = [(f"{c['batch']}", c["device"], *(f"{c[name]:,.0f}" for name in names)) for c in figures["cases"]]
+    rows = [
+        (f"{c['batch']}", c["device"], f"{c['updates_per_s']:,.0f}", _beside(c, "reference"), _beside(c, "sb3"))
+        for c in figures["cases"]
+    ]
     rows.append(("256, profile fast", "cpu", f"{figures['fast_profile_updates_per_s']:,.0f}", "", ""))
     print_table(("batch", "device", "updates/s", "autograd", "Stable-Baselines3"), rows)
+    print_line(f"In brackets: with the learner's matrix products ({figures['matrix_products']}), not torch's own.")
     if "stacked" not in figures:
         return
     print()
@@ -125,6 +128,13 @@ def _show_learner(figures: dict[str, Any]) -> None:
     ]  # fmt: skip
     heads = ("agents", "device", "updates/s of all", "one seed alone", "ratio", "one step of all lanes", "on the host")
     print_table(heads, together)
+
+
+def _beside(case: dict[str, Any], other: str) -> str:
+    """Another learner's rate, how many times faster ours is, and both with the same matrix products."""
+    rates = case[f"{other}_updates_per_s"], case[f"{other}_same_products_updates_per_s"]
+    own, same = (f"{rate:,.0f}, {case['updates_per_s'] / rate:.2f} ×" for rate in rates)
+    return f"{own} ({same})"
 
 
 def _curriculum(args: Args) -> int:

@@ -154,7 +154,7 @@ def _reached(run: Run) -> dict[str, Any]:
 
 
 def _steps(run: Run, last: dict[str, Any]) -> int | None:
-    """Decision steps of all stages; each counts its own, so that more than the last row is read where there are more."""
+    """Decision steps of all stages. Each counts its own, so that behind the first one all rows are read."""
     if not last.get("stage"):
         return _whole(last.get("env_steps"))
     with contextlib.suppress(RunFileError):

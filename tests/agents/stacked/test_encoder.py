@@ -70,8 +70,8 @@ def test_the_flags_tell_the_transfer_condition(masked: tuple[int, ...], source: 
 def test_a_guide_network_reads_its_columns_among_the_widest() -> None:
     from agents.config import VARIANTS, TrainingConfig
     from agents.hyperparameters import SMOKE
+    from agents.layers import Shape
     from agents.stacked.guides import Kind, StackedGuides
-    from agents.stacked.parameters import Shape
     from agents.stage import Stage
 
     draws = np.random.default_rng(1)

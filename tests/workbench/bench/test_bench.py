@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import torch
 
+from agents.numerics import matmul_route
 from sim.errors import UsageError
 from sim.reference import ReferenceWorld
 from sim.scenario_file import load_scenario
@@ -28,7 +29,10 @@ from workbench.cli import main
 from workbench.commands import bench
 
 SIM_KEYS = {"work", "lanes", "threads", "device", "env_steps_per_s", "reference_env_steps_per_s"}
-LEARNER_KEYS = {"batch", "device", "updates_per_s", "reference_updates_per_s", "sb3_updates_per_s"}
+LEARNER_KEYS = {
+    "batch", "device", "updates_per_s", "reference_updates_per_s", "sb3_updates_per_s",
+    "reference_same_products_updates_per_s", "sb3_same_products_updates_per_s",
+}  # fmt: skip
 PAGE_KEYS = {"first_page_s", "flights_drawn_s", "switch_s", "scrub_hz", "runs_open_s", "runs_filter_s", "compare_s"}
 
 
@@ -90,6 +94,15 @@ def test_the_learner_is_measured_beside_its_twin_and_another_library(capsys: pyt
     assert measured.fast_profile_updates_per_s > 0
     assert torch.get_num_threads() == threads
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.usefixtures("_restore_torch")
+def test_each_turn_has_its_own_matrix_products() -> None:
+    seen: list[str] = []
+    routes = ("onednn", "default", "onednn")
+    for route in routes:
+        bench_learner._on(route, lambda _count: seen.append(matmul_route()))(1)
+    assert seen == [*routes]
 
 
 def test_json_is_one_object_and_alone_on_standard_output(

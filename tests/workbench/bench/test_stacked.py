@@ -67,7 +67,7 @@ def test_full_replays_hold_ends_of_episodes_and_finite_numbers() -> None:
 def test_the_device_adds_a_table_and_names_to_the_json(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    alone = LearnerBench([LearnerCase(128, "cpu", 1.0, 1.0, 1.0)], 5.0, "default")
+    alone = LearnerBench([LearnerCase(128, "cpu", 1.0, 1.0, 1.0, 1.0, 1.0)], 5.0, "default")
     monkeypatch.setattr(bench_learner, "bench_learner", lambda progress: alone)
     asked: list[str] = []
 
