@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Keep what one stage with the paper's own settings has come to: `python scripts/paper_stage.py RUN`, its folder.
 
-Copies the policy and its card to assets/results/paper-stage, with the learning curve as numbers and as a picture.
+Copies the policy and its card to assets/paper-stage, with the learning curve as numbers and as a picture.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from layouts.stage_sheet import picture
 from workbench.reproduce.places import ROOT
 from workbench.run_folder import Run
 
-PLACE = ROOT / "assets/results/paper-stage"
+PLACE = ROOT / "assets/paper-stage"
 COLUMNS = (
     "epoch", "env_steps", "updates", "success_rate", "return_mean", "train_success_rate", "alpha", "epsilon", "beta",
     "transfer_share", "guide_share", "critic_loss", "q_mean", "wall_s", "cpu_s",

@@ -15,7 +15,7 @@ from sim.task import task_for
 from workbench.reproduce.places import ROOT
 from workbench.reproduce.protocol import EPISODES, REPORT_SEED
 
-PLACE = ROOT / "assets/results/paper-stage"
+PLACE = ROOT / "assets/paper-stage"
 TEXT = (ROOT / "docs/reproduction.md").read_text("utf-8").partition("## One stage with")[2].partition("\n## ")[0]
 CARD = json.loads((PLACE / "target.json").read_text("utf-8"))
 LATE = 200
