@@ -18,7 +18,7 @@ from workbench.viewer_files import FILES, ensure_viewer
 
 Route = tuple[str, type[RequestHandler], dict[str, object]]
 HERE = Path(__file__).parent
-SCRIPTS = ("native_import", "figure_layout", "page_exchange")
+SCRIPTS = ("native_import", "figure_layout", "select_keys", "page_exchange")
 """Part of every page, in this order."""
 
 

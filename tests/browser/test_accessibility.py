@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
@@ -65,3 +67,22 @@ def test_a_button_outside_the_window_would_be_found(visitor: Page, served: Serve
     far = "<button style='position: fixed; left: 1400px; width: 90px'>Far</button>"
     visitor.evaluate("(far) => document.body.insertAdjacentHTML('beforeend', far)", far)
     assert visitor.evaluate(STICKS_OUT, 1440) == ["BUTTON Far"]
+
+
+@pytest.mark.parametrize("key", ["Enter", "Space", "ArrowDown"])
+def test_a_list_of_choices_is_opened_walked_and_closed_by_key(visitor: Page, served: Served, key: str) -> None:
+    visitor.goto(f"{served.address}/fly")
+    policy = visitor.get_by_role("combobox", name="Policy A")
+    expect(policy).to_have_text(re.compile("SubMas-RL, target task"))
+    policy.press(key)
+    choices = visitor.get_by_role("listbox")
+    expect(choices).to_contain_text("Navigation (expert)")
+    visitor.keyboard.press("Escape")
+    expect(choices).to_be_hidden()
+    expect(policy).to_have_text(re.compile("SubMas-RL, target task"))
+    policy.press(key)
+    expect(choices).to_be_visible()
+    visitor.keyboard.press("End")
+    visitor.keyboard.press("Enter")
+    expect(policy).not_to_have_text(re.compile("SubMas-RL, target task"))
+    expect(visitor).to_have_url(re.compile(r"[?&]a=(?!submas-target)"))

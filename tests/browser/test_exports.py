@@ -64,6 +64,10 @@ def test_a_page_hands_out_its_flights_with_the_branch_and_a_picture_of_the_scene
     branch = Branch("B", 330, (200,) * 40 + (170,) * 20, "submas-target")
     visitor.goto(f"{served.address}/fly?seed=2&t=360&branch={branch_text(branch)}")
     expect(visitor.locator(".card.branch")).to_be_visible()
+    visitor.locator(".export > button").click()
+    offered = visitor.get_by_role("menu").inner_text()
+    assert all(kind in offered for kind in ("html", "gif", "mp4", "rrd", "acmi", "parquet", "csv", "png", "svg"))
+    visitor.keyboard.press("Escape")
     table = _chosen(visitor, "B′ · csv", tmp_path)
     assert table.name == "flight-2-B-from-330s-by-hand-then-submas-target.csv"
     assert table.read_bytes().startswith(b"time_s,evader_x_m,")

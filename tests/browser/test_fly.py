@@ -10,6 +10,8 @@ from layouts.theme import ground
 from tests.browser.places import box_of
 from tests.conftest import Served
 
+CAMERA_MS = 1500
+"""A camera's way, drawn by software."""
 SLOW_MS = 90_000
 
 
@@ -34,6 +36,22 @@ def test_both_flights_are_told_of_and_drawn_as_wished(visitor: Page, served: Ser
     visitor.mouse.up()
     expect(visitor.get_by_role("button", name="Free", exact=True)).to_have_attribute("aria-pressed", "true")
     expect(visitor).to_have_url(re.compile("camera=free.*eye=-?[0-9]"), timeout=SLOW_MS)
+
+
+def test_every_camera_looks_from_elsewhere_and_every_speed_is_kept(visitor: Page, served: Served) -> None:
+    _open(visitor, served, "?seed=2&t=360")
+    expect(visitor.locator(".cover.gone")).to_have_count(1, timeout=SLOW_MS)
+    scene = visitor.locator("iframe[title^='3-D replay']")
+    seen = [scene.screenshot()]
+    for camera in ("Top", "Chase A", "Chase B", "One field"):
+        button = visitor.get_by_role("button", name=camera, exact=True)
+        button.click()
+        expect(button).to_have_attribute("aria-pressed", "true")
+        visitor.wait_for_timeout(CAMERA_MS)
+        seen.append(scene.screenshot())
+    assert len(set(seen)) == len(seen)
+    visitor.get_by_role("group", name="Playback speed").get_by_role("button", name="60×").click()
+    expect(visitor).to_have_url(re.compile("speed=60"), timeout=SLOW_MS)
 
 
 def test_the_scene_stands_on_the_ground_of_a_light_page(visitor: Page, served: Served) -> None:

@@ -63,6 +63,32 @@ def test_runs_are_found_and_their_curves_compared(person: Page, workbench: Serve
     expect(person.get_by_role("searchbox", name="Search runs")).to_have_value("bench-000")
 
 
+def test_a_run_is_pinned_smoothed_over_time_and_traced_back_to_its_guide(
+    person: Page, workbench: Served, store: RunStore
+) -> None:
+    first, second = (store.list()[-1 - place] for place in (3, 4))
+    guided = store.create(TrainingConfig(profile="smoke", name="guided one", guide=first.id))
+    person.goto(f"{workbench.address}/runs?q=bench-000&run={first.id}&show={second.id}")
+    lineage = person.get_by_role("listitem").filter(has_text=re.compile("Navigation|source-3|target"))
+    expect(lineage.first).to_contain_text("guides the first stage")
+    expect(person.get_by_role("link", name="guided one")).to_have_attribute("href", f"/runs?run={guided.id}")
+    person.get_by_role("button", name="Pin as baseline").click()
+    expect(person.locator(".row.pinned")).to_contain_text("bench-0003")
+    axis = person.get_by_role("combobox", name="Horizontal axis")
+    axis.press("Enter")
+    expect(person.get_by_role("listbox")).to_contain_text("epochs")
+    for key in ("ArrowDown", "Enter"):  # by key: a menu that unfolds moves away under the pointer
+        person.keyboard.press(key)
+    expect(axis).to_have_text("time")
+    person.get_by_role("slider").first.press("End")
+    person.wait_for_url(re.compile(rf"baseline={first.id}.*x=time.*smooth=\d\d"))
+    person.reload()
+    expect(person.locator(".row.pinned")).to_contain_text("bench-0003")
+    expect(person.get_by_role("button", name="Unpin")).to_be_visible()
+    expect(axis).to_have_text("time")
+    store.delete(guided.id)
+
+
 def test_groups_facets_and_the_way_back(person: Page, workbench: Served, store: RunStore) -> None:
     person.goto(f"{workbench.address}/runs")
     person.get_by_role("combobox", name="Group runs by").select_option("variant")
