@@ -31,3 +31,14 @@ def test_an_inexact_route_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numerics, "relative_error", lambda left, right: 1e-3)
     assert numerics.choose_matmul_route() == "default"
     assert torch.backends.mkldnn.matmul.fp32_precision == before
+
+
+def test_it_chooses_the_same_again_whatever_was_taken_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    matmul, seconds = torch.backends.mkldnn.matmul, {"none": 2.0, "bf16": 1.0}
+    monkeypatch.setattr(numerics, "_fastest_s", lambda left, right: seconds[matmul.fp32_precision])
+    monkeypatch.setattr(numerics, "relative_error", lambda left, right: 0.0)
+    assert [numerics.choose_matmul_route() for _ in range(2)] == ["onednn", "onednn"]
+    assert numerics.matmul_route() == "onednn"
+    seconds["bf16"] = 2.0
+    assert numerics.choose_matmul_route() == "default"
+    assert numerics.matmul_route() == "default"
