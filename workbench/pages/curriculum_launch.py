@@ -110,15 +110,16 @@ class LaunchForm:
         self.first_guide = ""
         try:
             configs = self.configurations()
-            guides = {config.guide or natural_guide(config): config for config in configs}
+            # Who learns from scratch names a guide as well, and never asks it.
+            asking = [config for config in configs if CONFIGURED[config.variant].guided]
+            guides = {config.guide or natural_guide(config): config for config in asking}
             for config in guides.values():
                 guide_for(config, self._store)
         except SubMasError as error:
             self._summary.object = f"<b>Not yet:</b> {html.escape(str(error))}."
             self._button.disabled = True
             return
-        guided = [spec for spec, config in guides.items() if CONFIGURED[config.variant].guided]
-        self.first_guide = guided[0] if guided else ""
+        self.first_guide = next(iter(guides), "")
         self._describe(configs)
         self._button.label = f"Launch {len(configs)} runs" if len(configs) > 1 else "Launch and watch"
         self._button.disabled = False

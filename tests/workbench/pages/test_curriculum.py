@@ -184,6 +184,19 @@ def test_variants_times_seeds_are_launched_in_one_go(form: tuple[LaunchForm, lis
     assert sac == TrainingConfig(missiles=3, variant="sac", seed=3)
 
 
+@pytest.mark.parametrize("variants", [["submas", "td3"], ["sac", "td3", "wo-pd"]])
+def test_the_guide_is_named_also_beside_those_who_learn_from_scratch(
+    form: tuple[LaunchForm, list[Run]], variants: list[str]
+) -> None:
+    launch, _ = form
+    launch.show(task_for(mask="2"))
+    launch.widgets["variant"].value = variants
+    assert launch.first_guide == "expert-navigation"
+    assert "guided by <b>expert-navigation</b>; from scratch: 1 stage" in launch._summary.object
+    launch.widgets["variant"].value = ["td3"]
+    assert (launch.first_guide, "without a guide" in launch._summary.object) == ("", True)
+
+
 def test_too_many_runs_and_no_variant_are_sentences(form: tuple[LaunchForm, list[Run]]) -> None:
     launch, _ = form
     launch.show(task_for())
