@@ -128,12 +128,12 @@ class CurriculumPage:
 
     def _show_chain(self) -> None:
         """The stages, and what else depends on whether there is one of them or a chain."""
-        task, met, guide = self._task, self._met_here, _words_of(self._form.first_guide)
-        chain = self._form.chain
+        task, met, chain, scratch = self._task, self._met_here, self._form.chain, self._form.from_scratch
+        guide = "none, it learns from scratch" if scratch else _words_of(self._form.first_guide)
         self._lattice.select(task.masked, self._trained(task, met))
         self._chain.param.update(
             stages=stage_cards(task, met, guide) if chain else single_card(task, guide),
-            met=met, movable=chain and len(met) > 1, note=note_of(task, met, chain), usual=met == sorted(met),
+            met=met, movable=chain and len(met) > 1, note=note_of(task, met, chain, scratch), usual=met == sorted(met),
         )  # fmt: skip
         self._write_address()
 

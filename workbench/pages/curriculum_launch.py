@@ -89,7 +89,13 @@ class LaunchForm:
     @property
     def chain(self) -> bool:
         """Whether the whole chain up to the task is trained."""
-        return self.widgets["what"].value == CHAIN
+        return self.widgets["what"].value == CHAIN and not self.from_scratch
+
+    @property
+    def from_scratch(self) -> bool:
+        """Whether all that is chosen learns without a guide, and so the task itself."""
+        variants = self.widgets["variant"].value
+        return bool(variants) and not any(CONFIGURED[variant].guided for variant in variants)
 
     def configurations(self) -> list[TrainingConfig]:
         """One configuration per variant and seed.

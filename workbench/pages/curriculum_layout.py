@@ -57,10 +57,12 @@ def lattice_words(scenario: Scenario) -> str:
     return heading("2 · Curriculum", f"all tasks, click one; blue: what will be trained{rates}")
 
 
-def note_of(task: Task, met: Sequence[int], chain: bool) -> str:
+def note_of(task: Task, met: Sequence[int], chain: bool, from_scratch: bool) -> str:
     """What the order of the stages means."""
     if not task.missiles:
         return "Nothing to learn: the navigation expert solves the task without missiles."
+    if from_scratch:
+        return "One stage: who learns from scratch has no guide, and hands nothing on."
     if not chain:
         return (
             "One stage: the guide knows fewer missiles, and helps wherever the others show the default (Algorithm 4)."

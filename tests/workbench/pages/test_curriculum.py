@@ -193,8 +193,10 @@ def test_the_guide_is_named_also_beside_those_who_learn_from_scratch(
     launch.widgets["variant"].value = variants
     assert launch.first_guide == "expert-navigation"
     assert "guided by <b>expert-navigation</b>; from scratch: 1 stage" in launch._summary.object
+    assert launch.chain
     launch.widgets["variant"].value = ["td3"]
     assert (launch.first_guide, "without a guide" in launch._summary.object) == ("", True)
+    assert not launch.chain  # nobody hands anything on
 
 
 def test_too_many_runs_and_no_variant_are_sentences(form: tuple[LaunchForm, list[Run]]) -> None:
