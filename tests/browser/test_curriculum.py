@@ -17,6 +17,19 @@ from workbench.run_state import RunState
 from workbench.runs import RunStore
 
 
+NODE = """mask => {
+  const views = [...Bokeh.index.roots], nodes = ({data_source}) => data_source?.data?.mask
+  for (let view; (view = views.pop());) {
+    const renderer = view.model.renderers?.find(nodes)
+    if (!renderer) { views.push(...view.children_views()); continue }
+    const {x, y, mask: masks} = renderer.data_source.data, at = [...masks].indexOf(mask)
+    const {left, top} = view.el.getBoundingClientRect()
+    return [left + view.frame.x_scale.compute(x[at]), top + view.frame.y_scale.compute(y[at])]
+  }
+}"""
+"""Where the lattice shows the task with this mask [px]."""
+
+
 @pytest.fixture
 def store(workbench: Served) -> RunStore:
     return RunStore(workbench.runs)
@@ -43,6 +56,19 @@ def test_everything_follows_a_masked_missile(person: Page, workbench: Served) ->
     person.wait_for_url("**mask=2**")
     person.reload()
     expect(person.get_by_text("Missiles 1, 3, 4", exact=True).first).to_be_visible()
+
+
+def test_a_task_is_chosen_in_the_picture_of_all_of_them(person: Page, workbench: Served) -> None:
+    _open(person, workbench)
+    expect(_stages(person)).to_have_count(4)
+    box_of(person.locator(".bk-Figure").first)
+    person.mouse.click(*person.evaluate(NODE, "1,3"))
+    expect(person.get_by_text("Missiles 2, 4", exact=True).first).to_be_visible()
+    expect(_stages(person)).to_have_count(2)
+    for number, pressed in ((1, "false"), (2, "true")):  # pressed: it flies
+        missile = person.get_by_role("button", name=f"Missile {number}", exact=True)
+        expect(missile).to_have_attribute("aria-pressed", pressed)
+    person.wait_for_url("**mask=1%2C3**")
 
 
 def test_the_order_is_changed_by_drag_and_by_keyboard(person: Page, workbench: Served) -> None:

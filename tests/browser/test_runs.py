@@ -54,9 +54,9 @@ def test_runs_are_found_and_their_curves_compared(person: Page, workbench: Serve
         expect(person.get_by_role("checkbox", name=f"Curve of {name}")).to_be_checked()
     expect(person.get_by_text("bench-0003 · submas · seed 3", exact=True).first).to_be_visible()
     expect(person.get_by_role("rowheader", name="seed", exact=True)).to_be_visible()
-    assert person.evaluate(
-        "Bokeh.documents.flatMap(d => [...d._all_models.values()]).filter(m => m.data?.dash?.length === 2).length"
-    ) == 2  # fmt: skip
+    person.wait_for_function(
+        "Bokeh.documents.flatMap(d => [...d._all_models.values()]).filter(m => m.data?.dash?.length === 2).length === 2"
+    )
     person.wait_for_url(re.compile(r"show=\S+%2C"))
     person.reload()
     expect(person.get_by_role("checkbox", name="Curve of bench-0004")).to_be_checked()
