@@ -16,7 +16,6 @@ from workbench.launcher import cpu_count
 from workbench.run_state import RunState
 from workbench.runs import RunStore
 
-
 NODE = """mask => {
   const views = [...Bokeh.index.roots], nodes = ({data_source}) => data_source?.data?.mask
   for (let view; (view = views.pop());) {
