@@ -45,6 +45,22 @@ def _pair(hyper: Hyperparameters) -> tuple[Td3, FastTd3]:
     return Td3(FEATURES, hyper, 1.5, seed=4), FastTd3(FEATURES, hyper, 1.5, seed=4)
 
 
+def _after_twenty_updates(layer_norm: bool, two_returns: bool) -> tuple[Td3, FastTd3]:
+    plain, fast = _pair(_hyper(layer_norm, two_returns))
+    for index, batch in enumerate(_batches(20)):
+        plain.update(batch, 1.0 - index / 20)
+        fast.update(batch, 1.0 - index / 20)
+    return plain, fast
+
+
+def _parameters(plain: Td3, fast: FastTd3) -> Iterator[tuple[str, torch.Tensor, torch.Tensor]]:
+    """Every parameter of every network: name, the fast learner's, the readable one's."""
+    for name in ("actor", "critics", "target_actor", "target_critics", "average_actor"):
+        theirs = dict(getattr(plain, name).named_parameters())
+        for key, ours in getattr(fast, name).named_parameters():
+            yield f"{name} {key}", ours, theirs[key].detach()
+
+
 @pytest.mark.parametrize(("layer_norm", "two_returns"), CASES)
 def test_one_update_has_the_gradients_of_autograd(layer_norm: bool, two_returns: bool) -> None:
     plain, fast = _pair(_hyper(layer_norm, two_returns))
@@ -60,14 +76,9 @@ def test_one_update_has_the_gradients_of_autograd(layer_norm: bool, two_returns:
 
 @pytest.mark.parametrize(("layer_norm", "two_returns"), CASES)
 def test_all_networks_stay_equal_over_many_updates(layer_norm: bool, two_returns: bool) -> None:
-    plain, fast = _pair(_hyper(layer_norm, two_returns))
-    for index, batch in enumerate(_batches(20)):
-        plain.update(batch, 1.0 - index / 20)
-        fast.update(batch, 1.0 - index / 20)
-    for name in ("actor", "critics", "target_actor", "target_critics", "average_actor"):
-        theirs = dict(getattr(plain, name).named_parameters())
-        for key, ours in getattr(fast, name).named_parameters():
-            torch.testing.assert_close(ours, theirs[key].detach(), rtol=1e-4, atol=2e-5, msg=f"{name} {key}")
+    plain, fast = _after_twenty_updates(layer_norm, two_returns)
+    for name, ours, theirs in _parameters(plain, fast):
+        torch.testing.assert_close(ours, theirs, rtol=1e-4, atol=2e-5, msg=name)
     one, other = plain.take_statistics(), fast.take_statistics()
     assert dataclasses.astuple(one) == pytest.approx(dataclasses.astuple(other), rel=1e-3, abs=1e-4)
 
@@ -83,15 +94,10 @@ def double() -> Iterator[None]:
 @pytest.mark.usefixtures("double")
 @pytest.mark.parametrize(("layer_norm", "two_returns"), CASES)
 def test_after_twenty_updates_only_rounding_is_between_them(layer_norm: bool, two_returns: bool) -> None:
-    plain, fast = _pair(_hyper(layer_norm, two_returns))
-    for index, batch in enumerate(_batches(20)):
-        plain.update(batch, 1.0 - index / 20)
-        fast.update(batch, 1.0 - index / 20)
-    for name in ("actor", "critics", "target_actor", "target_critics", "average_actor"):
-        theirs = dict(getattr(plain, name).named_parameters())
-        for key, ours in getattr(fast, name).named_parameters():
-            assert ours.dtype == torch.float64
-            torch.testing.assert_close(ours, theirs[key].detach(), rtol=0.0, atol=1e-9, msg=f"{name} {key}")
+    plain, fast = _after_twenty_updates(layer_norm, two_returns)
+    for name, ours, theirs in _parameters(plain, fast):
+        assert ours.dtype == torch.float64
+        torch.testing.assert_close(ours, theirs, rtol=0.0, atol=1e-9, msg=name)
 
 
 @pytest.mark.parametrize("hidden", [(8,), (8, 9, 10)])
